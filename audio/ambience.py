@@ -158,7 +158,7 @@ def _noise(
     size = min(next_fast_len(max(samples, 2), real=True), _PERIOD)
     frequency = rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
     shape = band_response(frequency, band) * np.maximum(frequency, band[0]) ** -slope
-    # Single precision, and random numbers for audible frequencies alone: they take most of the time.
+    # Single precision, random numbers for audible frequencies alone: they take most of the time.
     heard = int(np.flatnonzero(shape > _INAUDIBLE * shape.max())[-1]) + 1
     spectrum = np.zeros((2, frequency.size), np.complex64)
     random = rng.standard_normal((2, heard, 2), np.float32).view(np.complex64)[:, :, 0]

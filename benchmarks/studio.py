@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import statistics
 import subprocess
 import sys
@@ -84,7 +83,7 @@ def served(folder: Path, document: str) -> Iterator[tuple[str, int]]:
     ) as process:
         assert process.stdout is not None
         yield process.stdout.readline().strip(), process.pid
-        process.send_signal(signal.SIGINT)
+        process.terminate()
 
 
 def memory(process: int) -> int:

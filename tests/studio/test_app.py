@@ -92,6 +92,23 @@ def test_a_figure_is_saved_beside_the_scene_and_only_its_line_changes(served: Se
     ]
 
 
+def test_mistakes_of_a_figure_are_told_at_their_place(served: Served) -> None:
+    text = opened(served)["text"]
+    (served.folder / "figures").mkdir()
+    (served.folder / "figures" / "bad.yaml").write_text(text.replace("style:", "sytle:"))
+    bad = opened(served, "figures/bad.yaml")
+    assert (bad["drawing"], [(p["line"], p["column"]) for p in bad["problems"]]) == (None, [(5, 3)])
+    assert bad["error"].startswith("figures/bad.yaml:5:3: figure.sytle: unknown key")
+    # Right as a text, but no limb has such a joint.
+    joints = "  joints: {l9: {joint1_bend: {rest_deg: 1}}}\n  skin:"
+    status, answer = served.ask("check", kind="figure", text=text.replace("  skin:", joints))
+    assert (status, answer["drawing"]["settings"]["style"]) == (200, "insect")
+    line = text[: text.index("  skin:")].count("\n") + 1
+    assert [(p["line"], p["column"]) for p in answer["problems"]] == [(line, 17)]
+    right = served.ask("check", kind="figure", text=text)[1]
+    assert (right["error"], right["problems"]) == ("", [])
+
+
 @pytest.mark.slow
 def test_a_figure_walks_with_its_gait(served: Served) -> None:
     document = opened(served)

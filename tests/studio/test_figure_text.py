@@ -70,7 +70,7 @@ def test_comments_and_line_ends_stay() -> None:
     after = updated_text(text, replace(drawing, nodes=nodes))
     assert after.count("\r\n") == after.count("\n") == text.count("\n")
     assert "# Hips join in a ring" in after
-    assert "knee1_l:   {at: [-0.7, -0.9], radius: 0.1, material: brown chitin}" in after
+    assert "knee1_l:   {at: [-0.70, -0.90], radius: 0.100, material: brown chitin}" in after
 
 
 def test_a_deleted_node_takes_its_line_and_its_place_in_chains() -> None:

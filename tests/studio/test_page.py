@@ -210,16 +210,22 @@ def test_a_dragged_node_is_drawn_and_analysed_and_undone(page: Page) -> None:
 
 def _place_of_part(page: Page, part: str) -> tuple[float, float]:
     """Return a place of the screen at which a part of the creature is seen, well inside of it."""
-    box = page.page.locator("#creature").bounding_box()
+    return _place_in(page, "creature", "partAt", part)
+
+
+def _place_in(page: Page, view: str, at: str, name: str) -> tuple[float, float]:
+    """Return a place of the screen at which a view shows what has a name, well inside of it."""
+    box = page.page.locator(f"#{view}").bounding_box()
+    viewer = {"creature": "studio.editor.viewer", "world": "studio.player.viewer"}[view]
     expression = (
-        "([box, part]) => { const seen = []; for (let y = 4; y < box.height; y += 9)"
+        "([box, name]) => { const seen = []; for (let y = 4; y < box.height; y += 9)"
         " for (let x = 4; x < box.width; x += 9) {"
         " const at = {clientX: box.x + x, clientY: box.y + y};"
-        " if (studio.editor.viewer.partAt(at) === part) seen.push([at.clientX, at.clientY]); }"
+        f" if ({viewer}.{at}(at) === name) seen.push([at.clientX, at.clientY]); }}"
         " return seen[Math.floor(seen.length / 2)]; }"
     )
-    found = page.page.evaluate(expression, [box, part])
-    assert found, f"{part} is not seen"
+    found = page.page.evaluate(expression, [box, name])
+    assert found, f"{name} is not seen"
     return found[0], found[1]
 
 
@@ -455,23 +461,15 @@ def _drag_on_the_map(page: Page, number: int, dx: float, dz: float) -> None:
 def test_a_performer_that_is_clicked_shows_its_channels(page: Page) -> None:
     page.open("walk.yaml")
     page.wait("studio.player.takes > 0")
-    box = page.page.locator("#world").bounding_box()
-    found = page.page.evaluate(
-        "(box) => { for (let y = 5; y < box.height; y += 10)"
-        " for (let x = 5; x < box.width; x += 10) {"
-        " const at = {clientX: box.x + x, clientY: box.y + y};"
-        " if (studio.player.viewer.performerAt(at) === 'bug') return [at.clientX, at.clientY]; } }",
-        box,
-    )
-    page.page.mouse.click(*found)
+    page.page.mouse.click(*_place_in(page, "world", "performerAt", "bug"))
     page.wait("studio.player.bars.curves.length > 0")
     assert "gait_phase" in page.value("studio.player.bars.curves.map((curve) => curve.name)")
     page.picture("channels")
 
 
-def _replace(page: Page, before: str, after: str) -> None:
+def _replace(page: Page, before: str, after: str, editor: str = "player") -> None:
     page.page.evaluate(
-        "([a, b]) => { const v = studio.player.editor.view;"
+        f"([a, b]) => {{ const v = studio.{editor}.editor.view;"
         " const from = v.state.doc.toString().indexOf(a);"
         " v.dispatch({changes: {from, to: from + a.length, insert: b}}); }",
         [before, after],
@@ -500,6 +498,9 @@ def test_a_scene_that_was_not_changed_is_saved_as_the_same_file(page: Page) -> N
     file.write_bytes(SCENE.replace("\n", "\r\n").encode())
     before = file.read_bytes()
     page.open("walk.yaml")
+    # There is nothing to undo yet.
+    page.value("studio.player.editor.view.focus()")
+    page.page.keyboard.press("Control+z")
     assert not page.value("studio.player.isDirty")
     page.page.click("#save")
     page.wait("document.getElementById('status').textContent.startsWith('saved')")
@@ -687,13 +688,113 @@ def _refused(dialog: Any, asked: list[str]) -> None:
     dialog.dismiss()
 
 
-def test_a_figure_that_is_wrong_is_told_and_the_library_shown(page: Page) -> None:
-    (page.served.folder / "figures").mkdir()
-    bad = page.served.folder / "figures" / "bad.yaml"
-    bad.write_text("pronk: 1\nfigure:\n  sytle: insect\n  nodes: {a: [0, 0]}\n")
-    page.open("figures/bad.yaml")
+def test_a_document_that_is_not_there_is_told_and_the_library_shown(page: Page) -> None:
+    page.open("gone.yaml")
     assert page.page.locator("#library").is_visible()
-    assert ":3:3: " in page.page.inner_text("#status")
+    assert "there is no file 'gone.yaml'" in page.page.inner_text("#status")
+
+
+BEETLE = (library() / "figures" / "beetle.yaml").read_text(encoding="utf-8")
+
+
+def test_a_wrong_figure_is_mended_in_its_text(page: Page) -> None:
+    (page.served.folder / "figures").mkdir()
+    file = page.served.folder / "figures" / "bad.yaml"
+    file.write_text(BEETLE.replace("style:", "sytle:"))
+    page.open("figures/bad.yaml")
+    assert page.page.inner_text("#status").startswith("figures/bad.yaml:5:3: figure.sytle: ")
+    assert page.page.inner_text("#figure-text .cm-lintRange-error") == "sytle"
+    assert page.page.locator("#board[inert]").count() == 1
+    page.picture("wrong_figure")
+    # Saved as it is typed, even where it is no figure yet.
+    _replace(page, "green chitin", "brown chitin", "editor.text")
+    _save(page)
+    assert file.read_text() == BEETLE.replace("style:", "sytle:").replace("green", "brown")
+    _replace(page, "sytle", "style", "editor.text")
+    page.wait("studio.editor.walks > 0 && studio.editor.isIdle")
+    assert page.page.locator("#board[inert]").count() == 0
+    assert page.value("studio.editor.isDirty")
+    _save(page)
+    assert file.read_text() == BEETLE.replace("green", "brown")
+    assert not page.value("studio.editor.isDirty")
+
+
+def test_the_text_of_a_figure_follows_its_drawing_and_is_followed(page: Page) -> None:
+    page.open("library:figures/beetle.yaml")
+    page.wait("studio.editor.walks > 0")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("y")
+    page.wait("studio.editor.text.isShown && studio.editor.isIdle")
+    assert page.value("studio.editor.text.editor.text") == BEETLE
+    page.value("studio.editor.select(['foot3_l'])")
+    page.page.keyboard.press("Shift+ArrowDown")
+    page.wait("studio.editor.isIdle")
+    assert page.value("studio.editor.text.editor.text") == BEETLE.replace("1.40]", "1.50]")
+    _replace(page, "-1.45, 1.50]", "-1.25, 1.70]", "editor.text")
+    page.wait("studio.editor.drawing.nodes.foot3_l.at[1] === 1.7")
+    for wanted in ([-1.45, 1.5], [-1.45, 1.4]):
+        page.page.click("#undo")
+        page.wait("studio.editor.isIdle")
+        assert page.value("studio.editor.drawing.nodes.foot3_l.at") == wanted
+    assert page.value("studio.editor.text.editor.text") == BEETLE
+    # A joint that no limb has: right as a text, and told where it stands.
+    wrong = "  joints: {l9: {joint1_bend: {rest_deg: 1}}}\n  skin:"
+    _replace(page, "  skin:", wrong, "editor.text")
+    page.wait("document.querySelector('#figure-text .cm-lintRange-error') !== null")
+    assert page.page.inner_text("#figure-text .cm-lintRange-error") == "joint1_bend"
+    page.picture("figure_text")
+
+
+def test_a_picture_behind_is_moved_scaled_and_turned(page: Page, tmp_path: Path) -> None:
+    page.open("library:figures/beetle.yaml")
+    (tmp_path / "none.png").write_text("no picture")
+    page.page.set_input_files("#picture", tmp_path / "none.png")
+    page.wait("document.getElementById('status').textContent.includes('is no picture')")
+    page.page.click("#move-picture")
+    assert page.value("studio.editor.backdrop.isMoved") is False
+    Image.new("RGB", (400, 300), "black").save(tmp_path / "skeleton.png")
+    page.page.set_input_files("#picture", tmp_path / "skeleton.png")
+    page.wait("studio.editor.backdrop.current !== null")
+    before = page.value("JSON.stringify(studio.editor.drawing)")
+    page.page.click("#move-picture")
+    page.drag((0.0, 0.0), (0.4, -0.3))
+    placed = "(({x, y, width, turn}) => [x, y, width, turn])(studio.editor.backdrop.current)"
+    assert page.value(placed) == pytest.approx([0.4, -0.3, 2, 0], abs=0.02)
+    page.page.mouse.move(*page.place(0.4, -0.3))
+    page.page.mouse.wheel(0, -462)
+    page.wait("studio.editor.backdrop.current.width > 3")
+    assert page.value(placed) == pytest.approx([0.4, -0.3, 4, 0], abs=0.03)
+    page.page.keyboard.down("Shift")
+    page.page.mouse.wheel(0, 100)
+    page.page.keyboard.up("Shift")
+    page.wait("Math.abs(studio.editor.backdrop.current.turn) === 1")
+    page.page.fill("#picture-turn", "90")
+    page.page.press("#picture-turn", "Enter")
+    assert page.value("studio.editor.backdrop.current.turn") == 90
+    dark = "[...studio.editor.context.getImageData(%s, %s, 1, 1).data]"
+    x, y = page.value("studio.editor.toScreen([0.35, 1.55])")
+    assert page.value(dark % (round(x), round(y)))[3] > 100
+    page.page.keyboard.press("Escape")
+    assert page.value("studio.editor.backdrop.isMoved") is False
+    assert page.value("JSON.stringify(studio.editor.drawing)") == before
+    # It stays with its figure.
+    page.page.click("#tab-library")
+    page.page.click("[data-name='library:figures/horse.yaml']")
+    page.wait("studio.editor.analysis?.headline.startsWith('mammal, 4 legs')")
+    assert page.value("studio.editor.backdrop.current") is None
+    page.page.click("#tab-library")
+    page.page.click("[data-name='library:figures/beetle.yaml']")
+    page.wait("studio.editor.backdrop.current !== null")
+
+
+def test_what_is_not_drawn_yet_shows_no_other_creature(page: Page) -> None:
+    page.open("library:figures/tripod.yaml")
+    page.wait("studio.editor.walks > 0")
+    page.page.click("#tab-library")
+    page.page.click("[data-name='']")
+    page.wait("document.getElementById('name').textContent === 'new figure'")
+    assert page.value("studio.editor.viewer.model") is None
+    assert page.page.inner_text("#headline") == ""
 
 
 def test_a_studio_that_has_ended_is_told(page: Page) -> None:

@@ -55,9 +55,9 @@ const open = (name) =>
     if (shown?.isDirty && !confirm("What was changed is not saved. Open another document?")) return false;
     const document_ = await ask("open", { name });
     show(document_.kind === "figure" ? "figure" : "scene");
-    if (document_.kind === "figure") editor.open(document_);
-    else await player.open(document_);
-    report(document_.is_shipped ? "of the library; saving makes a copy in this folder" : "");
+    await shown.open(document_);
+    if (document_.error) report(document_.error.split("\n")[0], true);
+    else report(document_.is_shipped ? "of the library; saving makes a copy in this folder" : "");
     refresh();
   });
 
@@ -71,9 +71,7 @@ const save = () =>
       name = `figures/${wished.replace(/\.ya?ml$/, "")}.yaml`;
     }
     const before = document_.name && !document_.is_shipped ? document_.text : null;
-    const message = { name, text: document_.text, before };
-    if (shown === editor) message.drawing = editor.drawing;
-    else message.text = player.editor.text;
+    const message = { name, ...shown.content, before };
     let saved;
     try {
       saved = await ask("save", message);
@@ -85,10 +83,7 @@ const save = () =>
       saved = await ask("save", { ...message, before: now.text });
     }
     Object.assign(document_, saved);
-    if (shown === editor) {
-      editor.saved = JSON.stringify(editor.drawing);
-      editor.analyse({ text: saved.text, drawing: editor.drawing, asked: performance.now() });
-    }
+    shown.wasSaved();
     report(`saved ${saved.name}`);
     refresh();
   });

@@ -2,7 +2,7 @@
 
 import { ask, askBytes, latest, Refusal } from "./api.js";
 import { Bars } from "./bars.js";
-import { textEditor } from "./scene_text.js";
+import { textEditor } from "./text_editor.js";
 import { TerrainMap } from "./terrain_map.js";
 import { Viewer } from "./viewer.js";
 
@@ -26,7 +26,7 @@ export class Player {
     this.document = document_;
     this.facts = null;
     this.viewer ??= new Viewer(document.getElementById("world"));
-    this.viewer.model = this.viewer.model && (this.viewer.scene.remove(this.viewer.model), null);
+    this.viewer.clear();
     this.viewer.resize();
     if (!this.editor) {
       const schema = await ask("schema", { kind: "scene" });
@@ -44,6 +44,14 @@ export class Player {
   get isDirty() {
     return this.editor && this.editor.text !== this.document.text;
   }
+
+  // What is saved.
+  get content() {
+    return { text: this.editor.text };
+  }
+
+  // The file holds now what is shown.
+  wasSaved() {}
 
   #message() {
     return { text: this.editor.text, name: this.document.name, kind: "scene" };

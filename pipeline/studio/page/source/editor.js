@@ -65,7 +65,7 @@ export class Editor {
     this.posing.select(null);
     this.walked = null;
     this.viewer.clear();
-    document.getElementById("walk-text").textContent = "";
+    this.showStance();
     this.bars.show({ seconds: 1 });
     this.viewer.resize();
     this.backdrop.open(document_.name);
@@ -310,11 +310,16 @@ export class Editor {
       this.posing.refresh();
       this.bars.show(facts);
       this.walks = (this.walks ?? 0) + 1;
-      document.getElementById("walk-text").textContent = facts.text;
+      this.showStance();
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      if (error.status !== 409) document.getElementById("walk-text").textContent = error.message.split("\n")[0];
+      if (error.status !== 409) this.showStance(error.message.split("\n")[0]);
     }
+  }
+
+  // Tells what the creature does.
+  showStance(text = this.walked?.text ?? "") {
+    document.getElementById("walk-text").textContent = this.posing.isOn ? "rest pose; Esc: walk on" : text;
   }
 
   #tick(now) {
@@ -887,7 +892,8 @@ export class Editor {
     }
     const [xs, ys] = [places.map((node) => node.at[0]), places.map((node) => node.at[1])];
     const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-    const scale = Math.min((clientWidth - 130) / Math.max(x1 - x0, 0.1), (clientHeight - 110) / Math.max(y1 - y0, 0.1));
+    const [wide, high] = [clientWidth - Math.min(130, clientWidth / 5), clientHeight - 110];
+    const scale = Math.min(wide / Math.max(x1 - x0, 0.1), high / Math.max(y1 - y0, 0.1));
     this.view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale: Math.min(scale, 2000) };
     this.draw();
   }

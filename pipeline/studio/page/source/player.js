@@ -197,7 +197,7 @@ export class Player {
     this.bars.time = time;
     this.bars.draw();
     const clock = document.getElementById("clock");
-    clock.textContent = `${time.toFixed(2)} s, frame ${this.frame} of ${this.facts.frames}`;
+    clock.textContent = `${time.toFixed(2)} s, frame ${this.frame}/${this.facts.frames}`;
   }
 
   get frame() {

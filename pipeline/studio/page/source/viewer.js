@@ -155,6 +155,7 @@ export class Viewer {
   // Looks at the creatures; where nothing forces it, only when their size has become another, and
   // from where they were seen.
   fit(isForced = true) {
+    this.model.updateMatrixWorld(true);
     const box = this.onTheSpot ? new THREE.Box3().setFromObject(this.model) : this.bounds();
     if (box.isEmpty()) return;
     const middle = box.getCenter(new THREE.Vector3());

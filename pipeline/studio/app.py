@@ -273,11 +273,9 @@ class Studio:
         return {"folder": str(folder)}
 
     def rendered_frame(self, message: Json) -> Response:
-        """Return the newest frame of a film as PNG."""
+        """Return the newest frame of a film as PNG, nothing before the first."""
         picture = self._queue.frame(self._queue.find(message.get("number")))
-        if picture is None:
-            raise UsageError("there is no frame yet")
-        return Response(picture, media_type="image/png")
+        return Response(picture, 200 if picture else 204, media_type="image/png")
 
     def _shown(self, message: Json) -> ScenePlay:
         play = self._page(message).play

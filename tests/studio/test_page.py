@@ -550,6 +550,23 @@ def test_studio_is_reached_by_its_address_alone(page: Page, served: Served) -> N
     assert page.page.inner_text("body").startswith("refused: no token")
 
 
+def test_a_page_that_is_loaded_again_shows_the_document_it_had(page: Page, served: Served) -> None:
+    page.open("walk.yaml")
+    assert page.page.url == f"http://127.0.0.1:{served.port}/"
+    page.page.click("#tab-library")
+    page.page.click("[data-name='library:figures/tripod.yaml']")
+    page.wait("document.getElementById('name').textContent.startsWith('library:figures/tripod')")
+    page.page.reload()
+    page.page.wait_for_selector("#figure:not([hidden])")
+    page.wait("Boolean(window.studio?.isReady)")
+    assert page.page.inner_text("#name") == "library:figures/tripod.yaml"
+    # Another studio at this address has another token.
+    page.value("sessionStorage.studioToken = 'of another'")
+    page.page.reload()
+    page.page.wait_for_url("**/?again&token=of%20another")
+    assert page.page.inner_text("body").startswith("refused: no token")
+
+
 def test_first_frames_grow_while_the_simulation_goes_on(page: Page) -> None:
     file = page.served.folder / "walk.yaml"
     file.write_text(SCENE.replace("frames: 8", "duration: 60"))
@@ -831,6 +848,8 @@ def test_what_is_not_drawn_yet_shows_no_other_creature(page: Page) -> None:
     page.wait("document.getElementById('name').textContent === 'new figure'")
     assert page.value("studio.editor.viewer.model") is None
     assert page.page.inner_text("#headline") == ""
+    page.page.click("#save")
+    assert page.page.inner_text("#status") == "there is nothing to save yet"
 
 
 def test_a_studio_that_has_ended_is_told(page: Page) -> None:

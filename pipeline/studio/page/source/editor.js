@@ -60,6 +60,8 @@ export class Editor {
     this.problems = [];
     this.#showAnalysis();
     this.lock(!document_.drawing);
+    // Nothing can be selected on an empty board.
+    if (!Object.keys(this.drawing.nodes).length) this.tool = "draw";
     this.viewer ??= new Viewer(document.getElementById("creature"), { onTheSpot: true });
     this.posing ??= new Posing(this.viewer, document.getElementById("part"), this);
     this.posing.select(null);
@@ -84,6 +86,10 @@ export class Editor {
     return this.base !== this.document.text || JSON.stringify(this.drawing) !== this.saved;
   }
 
+  get isEmpty() {
+    return this.text.typed === null && !Object.keys(this.drawing.nodes).length;
+  }
+
   // What is saved: the text into which the drawing is put, or one that is no drawing yet.
   get content() {
     if (this.text.typed !== null) return { text: this.text.typed };
@@ -101,6 +107,7 @@ export class Editor {
   // ---- changes, undo
 
   #remember(drawing) {
+    this.report("");
     this.undos.push({ base: this.base, drawing });
     if (this.undos.length > UNDO_STEPS) this.undos.shift();
     this.redos = [];
@@ -142,9 +149,13 @@ export class Editor {
     this.#refreshTools();
     this.draw();
     this.posing.refresh();
-    if (this.isLocked) return;
-    this.analyse(this.#message());
     clearTimeout(this.walkTimer);
+    this.walkTimer = null;
+    if (this.isLocked || !Object.keys(this.drawing.nodes).length) {
+      this.analysis = null;
+      return this.#showAnalysis();
+    }
+    this.analyse(this.#message());
     this.walkTimer = setTimeout(() => {
       this.walkTimer = null;
       this.walk(this.#message());
@@ -912,7 +923,8 @@ export class Editor {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     this.#drawPaper(width, height);
-    this.#drawFigure();
+    if (Object.keys(this.drawing.nodes).length) this.#drawFigure();
+    else this.#drawHint(width, height);
     this.#drawArea();
   }
 
@@ -946,6 +958,14 @@ export class Editor {
     const metre = [1, 0.5, 0.2, 0.1, 0.05, 0.01].find((one) => one * view.scale < width / 4) ?? 0.01;
     context.fillRect(14, height - 16, metre * view.scale, 2);
     context.fillText(`${metre} m`, 14, height - 22);
+  }
+
+  #drawHint(width, height) {
+    const text = this.isLocked ? "the text is no figure yet" : "Draw (D): click for nodes and connections; Esc ends a line";
+    this.context.fillStyle = FAINT;
+    this.context.textAlign = "center";
+    this.context.fillText(text, width / 2, height / 2 - 14);
+    this.context.textAlign = "left";
   }
 
   #drawFigure() {

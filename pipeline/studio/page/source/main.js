@@ -1,6 +1,6 @@
 // The page: which document is open, and what is done with it.
 
-import { ask, Refusal } from "./api.js";
+import { ask, isAgain, Refusal } from "./api.js";
 import { Editor } from "./editor.js";
 import { Library } from "./library.js";
 import { Player } from "./player.js";
@@ -34,6 +34,7 @@ function refresh() {
   const document_ = shown?.document;
   $("name").textContent = document_ ? `${document_.name || "new figure"}${shown.isDirty ? " •" : ""}` : "";
   $("save").disabled = !document_;
+  if (document_) sessionStorage.studioDocument = document_.name;
 }
 
 editor.onChange = refresh;
@@ -65,6 +66,7 @@ const save = () =>
   guarded(async () => {
     const { document: document_ } = shown;
     let { name } = document_;
+    if (shown.isEmpty) return report("there is nothing to save yet", true);
     if (!name) {
       const wished = prompt("Name of the figure", "creature");
       if (!wished) return false;
@@ -126,7 +128,7 @@ window.addEventListener("beforeunload", (event) => shown?.isDirty && event.preve
 
 window.studio = { editor, player, library };
 const { first } = await ask("library");
-if (!(await open(first))) {
+if (!(await open(isAgain ? sessionStorage.studioDocument || null : first))) {
   const { textContent } = $("status");
   await showLibrary();
   report(textContent, true);

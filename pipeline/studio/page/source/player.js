@@ -69,10 +69,12 @@ export class Player {
     clearTimeout(this.timer);
     try {
       await ask("check", message);
+      this.mistaken = false;
       this.editor.mark([]);
       this.timer = setTimeout(() => this.simulate(), SIMULATE_DELAY);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
+      this.mistaken = true;
       this.editor.mark(error.problems.length ? error.problems : [{ line: 1, column: 1, path: "", message: error.message }]);
       this.report(error.message.split("\n")[0], true);
     }
@@ -99,7 +101,7 @@ export class Player {
       this.map.draw();
       this.seek(time);
       await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
-      this.report(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
+      this.#reportTake(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
       this.takes = (this.takes ?? 0) + 1;
       this.#noteShown(changed);
       this.film = null;
@@ -110,6 +112,11 @@ export class Player {
       this.editor.mark(error.problems);
       this.report(error.message.split("\n")[0], true);
     }
+  }
+
+  // A mistake that was typed meanwhile matters more.
+  #reportTake(text) {
+    if (!this.mistaken) this.report(text);
   }
 
   // What is simulated so far, more and more of it while the rest is.
@@ -128,7 +135,7 @@ export class Player {
         this.seek(Math.min(this.viewer.time, facts.seconds));
         this.#noteShown(changed);
         this.beginnings.push(facts.frames);
-        this.report(`simulating …; the first ${facts.seconds.toFixed(1)} s of ${facts.whole.toFixed(1)} s are there`);
+        this.#reportTake(`simulating …; the first ${facts.seconds.toFixed(1)} s of ${facts.whole.toFixed(1)} s are there`);
         after = facts.frames;
       }
     } catch (error) {

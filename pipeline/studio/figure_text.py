@@ -256,7 +256,8 @@ class _FigureEdits:
     def _chains(self) -> Iterator[Edit]:
         before, after = self._before.chains, self._after.chains
         value = self._keys["chains"][1]
-        if before == after:
+        # A new figure has a key without a list.
+        if before == after and not isinstance(value, ScalarNode):
             return
         if not isinstance(value, SequenceNode) or value.flow_style or not before:
             yield self._whole_chains(value)

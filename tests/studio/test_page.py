@@ -5,6 +5,7 @@ With `PRONK_STUDIO_PICTURES=docs/studio` the pictures of docs/studio.md are made
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import time
@@ -337,6 +338,69 @@ def test_operations_of_the_selected_set(page: Page) -> None:
     page.page.mouse.move(left, top + bottom - 10, steps=4)
     page.page.mouse.up()
     assert page.value("studio.editor.selected.size") == nodes
+
+
+def test_sets_are_mirrored_scaled_turned_grouped_and_connected(page: Page) -> None:
+    page.open(None)
+    for place in ((0.0, -0.5), (0.0, 0.5)):
+        page.page.mouse.click(*page.place(*place), button="middle")
+    page.page.keyboard.press("d")
+    page.click((0.0, -0.5), (-0.4, -0.5), (-0.4, 0.1))
+    page.page.keyboard.press("Escape")
+    page.page.keyboard.press("v")
+    at = "Object.values(studio.editor.drawing.nodes).map((node) => node.at)"
+    assert page.value(at) == [[0, -0.5], [0, 0.5], [-0.4, -0.5], [-0.4, 0.1]]
+    # A leg is copied to the other side, and stays connected where it was.
+    page.drag((-0.6, -0.7), (-0.2, 0.3))
+    page.page.keyboard.press("t")
+    page.page.keyboard.press("m")
+    assert page.value(at)[4:] == [[0.4, -0.5], [0.4, 0.1]]
+    leg, copy = {("n1", "n3"), ("n3", "n4")}, {("n1", "n3_m"), ("n3_m", "n4_m")}
+    assert _connections(page) == leg | copy
+    # The copy is selected: scaled about its middle, turned about the origin, moved by fields.
+    page.page.keyboard.press("t")
+    page.page.click("#scale")
+    assert page.value(at)[4:] == [pytest.approx([0.4, -0.53]), pytest.approx([0.4, 0.13])]
+    page.page.keyboard.press("Control+z")
+    page.page.select_option("#about-point", "origin")
+    page.page.fill("#angle", "90")
+    page.page.click("#rotate")
+    assert page.value(at)[4:] == [pytest.approx([0.5, 0.4]), pytest.approx([-0.1, 0.4])]
+    page.page.fill("#by-y", "0.3")
+    page.page.click("#translate")
+    assert page.value(at)[4:] == [pytest.approx([0.5, 0.7]), pytest.approx([-0.1, 0.7])]
+    page.page.keyboard.press("Shift+M")
+    assert page.value(at)[4:] == [pytest.approx([0.5, -0.7]), pytest.approx([-0.1, -0.7])]
+    page.page.keyboard.press("x")
+    assert _connections(page) == leg | {("n1", "n3_m")}
+    page.page.keyboard.press("c")
+    assert _connections(page) == leg | copy
+    # A group is selected by one of it, until it is none.
+    page.page.keyboard.press("g")
+    page.page.keyboard.press("Escape")
+    page.click((0.5, -0.7))
+    assert page.value("[...studio.editor.selected].sort()") == ["n3_m", "n4_m"]
+    page.page.keyboard.press("Shift+G")
+    page.page.keyboard.press("Escape")
+    page.click((0.5, -0.7))
+    assert page.value("[...studio.editor.selected]") == ["n3_m"]
+    page.page.keyboard.press("Control+a")
+    assert page.value("studio.editor.selected.size") == 6
+    # A connection that is clicked is cut; a radius is dragged by its handle.
+    page.click((-0.4, -0.2))
+    page.page.keyboard.press("Delete")
+    assert _connections(page) == {("n1", "n3")} | copy
+    page.click((-0.4, 0.1))
+    page.drag((-0.32, 0.1), (-0.25, 0.1))
+    radius = page.value("studio.editor.drawing.nodes.n4.radius")
+    assert radius == pytest.approx(0.15, abs=0.01)
+
+
+def _connections(page: Page) -> set[tuple[str, str]]:
+    """Return the connections of the drawing, the names of each in order."""
+    chains = page.value("studio.editor.drawing.chains")
+    pairs = (sorted(pair) for chain in chains for pair in itertools.pairwise(chain))
+    return {(a, b) for a, b in pairs}
 
 
 def test_a_scene_is_played_edited_and_marked(page: Page) -> None:

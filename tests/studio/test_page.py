@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -27,7 +28,13 @@ BROWSER = "PRONK_BROWSER"
 """Environment variable: the browser to use, which then has to be there."""
 
 PICTURES = "PRONK_STUDIO_PICTURES"
-"""Environment variable: folder in which the pictures are kept."""
+"""Environment variable: folder in which the pictures of the documentation are kept."""
+
+SHOWN = re.findall(
+    r"\(studio/(\w+)\.png\)",
+    (Path(__file__).parents[2] / "docs" / "studio.md").read_text(encoding="utf-8"),
+)
+"""Names of those pictures."""
 
 STUCK, REFUSED = 540.0, 60.0
 """Times after which what is waited for will not come [s], far longer than a busy machine takes: at
@@ -44,13 +51,13 @@ class Page:
     Args:
         page: of the browser.
         served: the studio.
-        pictures: folder of screenshots.
+        scratch: folder of screenshots.
     """
 
-    def __init__(self, page: Any, served: Served, pictures: Path) -> None:
+    def __init__(self, page: Any, served: Served, scratch: Path) -> None:
         self.page = page
         self.served = served
-        self.pictures = pictures
+        self.scratch = scratch
 
     def open(self, first: str | None) -> None:
         """Load the page with a document."""
@@ -101,8 +108,10 @@ class Page:
         self.page.mouse.up()
 
     def picture(self, name: str) -> Path:
-        """Keep a screenshot."""
-        path = self.pictures / f"{name}.png"
+        """Keep a screenshot, one that the documentation shows where it is wanted."""
+        folder = Path(os.environ.get(PICTURES, self.scratch)) if name in SHOWN else self.scratch
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{name}.png"
         self.page.screenshot(path=path)
         return path
 
@@ -120,8 +129,6 @@ def page(served: Served, tmp_path: Path) -> Iterator[Page]:
         import playwright.sync_api as driver
     else:
         driver = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    pictures = Path(os.environ.get(PICTURES, tmp_path / "pictures"))
-    pictures.mkdir(parents=True, exist_ok=True)
     errors: list[str] = []
     with driver.sync_playwright() as started:
         flags = ["--no-sandbox", "--enable-unsafe-swiftshader"]
@@ -129,7 +136,7 @@ def page(served: Served, tmp_path: Path) -> Iterator[Page]:
         opened = browser.new_page(viewport={"width": 1280, "height": 760})
         opened.on("pageerror", lambda error: errors.append(str(error)))
         opened.on("request", lambda asked: _refuse_foreign(asked.url, served, errors))
-        yield Page(opened, served, pictures)
+        yield Page(opened, served, tmp_path / "pictures")
         browser.close()
     assert errors == []
 
@@ -660,16 +667,13 @@ def test_a_moving_view_has_fewer_triangles_and_one_at_rest_all(page: Page) -> No
     page.wait("studio.player.takes > 0")
     draw = "(studio.player.viewer.draw({}), studio.player.viewer.triangles)"
     whole = page.value(draw.format("false"))
-    page.picture("whole")
+    pictures = [page.picture("whole")]
     budget = page.value("studio.player.viewer.detail.budget = 18000")
     moving = page.value(draw.format("true"))
-    page.picture("coarse")
+    pictures.append(page.picture("coarse"))
     assert whole > 2 * budget
     assert moving < 1.25 * budget
-    seen = [
-        np.asarray(Image.open(page.pictures / f"{name}.png").convert("L"), dtype=float)
-        for name in ("whole", "coarse")
-    ]
+    seen = [np.asarray(Image.open(path).convert("L"), dtype=float) for path in pictures]
     # The same animals at the same places: few pixels are clearly another colour.
     assert (np.abs(seen[0] - seen[1])[50:540, 540:] > 60).mean() < 0.01
     page.wait(f"studio.player.viewer.triangles === {whole}")

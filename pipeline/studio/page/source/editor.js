@@ -61,7 +61,7 @@ export class Editor {
     this.#showAnalysis();
     this.lock(!document_.drawing);
     // Nothing can be selected on an empty board.
-    if (!Object.keys(this.drawing.nodes).length) this.tool = "draw";
+    if (!this.isLocked && !Object.keys(this.drawing.nodes).length) this.tool = "draw";
     this.viewer ??= new Viewer(document.getElementById("creature"), { onTheSpot: true });
     this.posing ??= new Posing(this.viewer, document.getElementById("part"), this);
     this.posing.select(null);
@@ -74,6 +74,7 @@ export class Editor {
     this.fit();
     this.#changed();
     await this.text.open(document_);
+    this.#refreshTools();
     if (!this.ticking) {
       this.ticking = true;
       this.last = performance.now();

@@ -177,7 +177,7 @@ def editing(page: Any, address: str, server: int) -> None:
     page.goto(address)
     wait(page, "window.studio?.editor?.walks > 0")
     session = page.context.new_cdp_session(page)
-    sizes = []
+    sizes: list[tuple[float, float]] = []
     for _ in range(QUARTERS + 1):
         for _ in range(EDITS // QUARTERS if sizes else WARM_UP):
             page.evaluate(EDIT)

@@ -13,15 +13,18 @@ from pipeline.simulation.figures.hide.lumps import Lump, budgeted
 from pipeline.simulation.figures.hide.sheets import outward, painted, small_ball, tube
 from pipeline.simulation.figures.hide.shell_parts import (
     antenna_segment,
+    beetle_leg,
     claw_solids,
     is_claw,
+    joint_paint,
     leg_segment,
-    leg_spines,
     mandibles,
+    palps,
     sting_solid,
 )
-from pipeline.simulation.figures.hide.shells import body_plates
-from pipeline.simulation.figures.hide.stance import Chain, Stance
+from pipeline.simulation.figures.hide.shells import beetle_plan, body_plates
+from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
+from pipeline.simulation.figures.hide.wing_cases import pronotum, scutellum, wing_case
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL
 from pipeline.simulation.figures.skins import Skin, merge_skins
@@ -30,6 +33,11 @@ from pipeline.simulation.spatial import UP, Array, normalized
 
 PLATE_TRIANGLES = {"body": 4000, HEAD: 800, TAIL: 1500}
 """Most triangles of the plates of a trunk, and of a head or abdomen of another material."""
+
+BELOW_TRIANGLES = 1900
+"""The same of a beetle's head and what is below its upper plates."""
+
+UNDERSIDE_COLOR = "#0f0b08"
 
 MANY_LEGS = 8
 """Legs beyond which each has fewer triangles."""
@@ -75,14 +83,32 @@ class ArthropodHide:
             elif limb.kind in (LEG, ARM, FEELER, HORN, TAIL):
                 self._add_limb(chain, found, covered)
         found[0] += self._stalks()
+        if self.kind == "beetle":
+            found[0] += self._upper_plates()
         for link, lumps in self._plates().items():
-            low = np.min([np.minimum(g.a, g.b) - g.reach for g in lumps], axis=0)
-            high = np.max([np.maximum(g.a, g.b) + g.reach for g in lumps], axis=0)
             most = PLATE_TRIANGLES[self.figure.skeleton.links[link].kind]
-            solid = budgeted(lumps, float((high - low).max()) / CELLS, most)
-            paint = self.coat.paint(solid, trunk, False)
-            found.setdefault(link, []).insert(0, self.stance.hide(solid, trunk, paint))
+            if self.kind == "beetle" and link == 0:
+                most = BELOW_TRIANGLES
+            found.setdefault(link, []).insert(0, self._meshed(lumps, most, trunk))
         return {link: merge_skins(skins) for link, skins in found.items()}, covered - set(found)
+
+    def _meshed(self, lumps: list[Lump], most: int, trunk: list[int]) -> Skin:
+        low = np.min([np.minimum(g.a, g.b) - g.reach for g in lumps], axis=0)
+        high = np.max([np.maximum(g.a, g.b) + g.reach for g in lumps], axis=0)
+        solid = budgeted(lumps, float((high - low).max()) / CELLS, most)
+        paint = self.coat.paint(solid, trunk, False)
+        if self.kind == "beetle":
+            plan = beetle_plan(self.stance)
+            # Dark below its upper plates.
+            share = smoothstep((plan.front - solid.vertices[:, 0]) / (0.1 * plan.half_width))
+            paint = painted(len(solid.vertices), UNDERSIDE_COLOR, 0.85 * share)
+        return self.stance.hide(solid, trunk, paint)
+
+    def _upper_plates(self) -> list[Skin]:
+        """Return the plates on the back of a beetle."""
+        plan = beetle_plan(self.stance)
+        plates = (wing_case(plan, -1.0), wing_case(plan, 1.0), pronotum(plan), scutellum(plan))
+        return [self.stance.rigid(solid, 0, paint) for solid, paint in plates]
 
     def _plates(self) -> dict[int, list[Lump]]:
         """Return the plates by the link whose part shows them: the body's where they can."""
@@ -110,7 +136,9 @@ class ArthropodHide:
                 first = number
             solids = self._link_solids(chain, i, claw, sign)
             own = found.setdefault(first, [])
-            own += [self.stance.rigid(solid, number) for solid in solids]
+            for solid in solids:
+                paint = joint_paint(chain, i, solid, 0.8 if self.kind == "beetle" else 0.5)
+                own.append(self.stance.rigid(solid, number, paint))
             if number != first:
                 covered.add(number)
 
@@ -121,18 +149,19 @@ class ArthropodHide:
                 return claw_solids(chain, sign)
             return [leg_segment(chain, i, self._detail)]
         if kind in (LEG, ARM):
-            solids = [leg_segment(chain, i, self._detail)]
-            if i == 0:
+            if self.kind == "beetle":
+                solids = beetle_leg(chain, i)
+            else:
+                solids = [leg_segment(chain, i, self._detail)]
+            if i == 0 and self.kind != "beetle":
                 r = min(float(chain.radii[0]), 1.5 * float(chain.radii[1]))
                 solids.append(small_ball(chain.points[0], 0.95 * r))
-            if self.kind == "beetle" and i == len(chain.ways) - 2:
-                solids += leg_spines(chain, i)
             if last:
                 solids += _claws(chain)
             return solids
         if kind == TAIL:
             return [sting_solid(chain)] if last else [_tail_ring(chain, i)]
-        return [antenna_segment(chain, i, self.kind == "beetle")]
+        return [antenna_segment(chain, i)]
 
     def _jaws(self, chain: Chain) -> list[Skin]:
         tip, along, r = chain.points[-1], chain.ways[-1], float(chain.radii[-1])
@@ -141,10 +170,12 @@ class ArthropodHide:
         elif self.kind in ("crab", "scorpion"):
             solids = []
         else:
-            solids = mandibles(tip, along, r, 1.25 if self.kind == "ant" else 1.0)
+            solids = mandibles(tip, along, r, 1.25 if self.kind in ("ant", "beetle") else 1.0)
+            if self.kind == "beetle":
+                solids += palps(tip, along, r)
         link = chain.limb.links[-1]
         return [
-            self.stance.rigid(solid, link, painted(len(solid.vertices), "#1c100a", 0.75))
+            self.stance.rigid(solid, link, painted(len(solid.vertices), "#1c100a", 0.9))
             for solid in solids
         ]
 

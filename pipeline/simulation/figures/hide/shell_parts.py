@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pipeline.simulation.figures.hide.sheets import tube
+from pipeline.simulation.figures.hide.sheets import Paint, painted, tube
 from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, cross, normalized
@@ -14,7 +14,12 @@ from pipeline.simulation.spatial import UP, Array, cross, normalized
 AROUND = 8
 """Vertices around a link."""
 
-FEET = 4
+HIP_DROP = 0.17
+"""How far below its joint a beetle's leg leaves the body, in the length of its thigh."""
+
+JOINT_COLOR = "#120b07"
+
+FEET = 5
 """Segments of the last link of a leg, its tarsus."""
 
 
@@ -48,33 +53,82 @@ def leg_segment(chain: Chain, i: int, detail: float) -> Solid:
     return tube(middle, radii * shape, max(round(detail * AROUND), 6))
 
 
-def leg_spines(chain: Chain, i: int) -> Iterator[Solid]:
-    """Yield spines along the lower side of a shin."""
+def beetle_leg(chain: Chain, i: int) -> list[Solid]:
+    """Return the parts of one link of a beetle's leg: thigh with its hip, shin or foot.
+
+    A thigh leaves the body from below, around the edge of the wing cases. A shin widens towards two
+    spurs, between rows of spines, and each segment of a foot does so too.
+    """
+    a, b, r = chain.points[i], chain.points[i + 1], float(chain.radii[i + 1])
     side = normalized(cross(chain.ways[i], UP))
-    r = float(chain.radii[i + 1])
-    for share in (0.45, 0.62, 0.79, 0.94):
+    if i == 0:
+        drop = HIP_DROP * float(chain.lengths[0]) * UP
+        t = np.linspace(0.0, 1.0, 12)[:, None]
+        root = a - drop
+        bow = a + 0.52 * chain.spans[0] - 0.85 * drop
+        middle = (1 - t) ** 2 * root + 2 * t * (1 - t) * bow + t**2 * b
+        shape = np.interp(
+            t[:, 0], [0.0, 0.06, 0.12, 0.5, 0.85, 0.95, 1.0], [1.0, 1.1, 1.0, 1.8, 1.25, 1.1, 0.7]
+        )
+        hip = np.array([root, root + 0.10 * (bow - root), root + 0.24 * (bow - root)])
+        thick = r * np.array([1.2, 1.6, 1.1])
+        return [tube(middle, r * shape, 10, 0.72, UP), tube(hip, thick, 8)]
+    if i < len(chain.ways) - 1:
+        knee = float(chain.radii[i])
+        t = np.linspace(0.0, 1.0, 9)
+        shape = np.interp(t, [0.0, 0.05, 0.14, 0.9, 1.0], [0.75, 0.95, 0.62, 0.98, 0.75])
+        middle = a + t[:, None] * chain.spans[i] + (0.35 * knee * np.sin(np.pi * t))[:, None] * UP
+        shin = tube(middle, knee * shape, AROUND, 0.8, UP)
+        return [shin, *_spines(chain, i, side, knee)]
+    t = np.linspace(0.0, 1.0, 3 * FEET + 1)
+    # Each segment is narrow at its root and broad at its end.
+    place = np.clip(t * FEET - np.floor(t * FEET - 1e-9), 0.0, 1.0)
+    size = float(chain.radii[i])
+    shape = size * (0.50 + 0.52 * place) * (1.0 - 0.35 * t)
+    return [tube(a + t[:, None] * chain.spans[i], shape, 7, 0.8, UP)]
+
+
+def _spines(chain: Chain, i: int, side: Array, r: float) -> Iterator[Solid]:
+    """Yield two rows of spines along a shin, and the spurs at its end."""
+    for share, long in ((0.40, 1.2), (0.62, 1.3), (0.82, 1.4), (0.97, 2.2)):
         at = chain.points[i] + share * chain.spans[i]
         for sign in (-1.0, 1.0):
-            out = normalized(0.8 * sign * side - 0.5 * UP + 0.8 * chain.ways[i])
-            curve = np.array([at, at + 1.5 * r * out, at + 2.6 * r * out])
-            yield tube(curve, r * np.array([0.26, 0.16, 0.02]), 5)
+            out = normalized(0.8 * sign * side - 0.4 * UP + 0.9 * chain.ways[i])
+            curve = np.array([at + 0.4 * r * out, at + (0.4 + long) * r * out])
+            yield tube(curve, r * np.array([0.24, 0.03]), 5)
 
 
-def antenna_segment(chain: Chain, i: int, club: bool = False) -> Solid:
-    """Return one link of an antenna as a string of beads; a clubbed one ends thick."""
+def joint_paint(chain: Chain, i: int, solid: Solid, share: float) -> Paint:
+    """Return the paint of a link that is dark at its joints, and the more so further out.
+
+    Args:
+        chain: the limb as it stands.
+        i: number of the link.
+        solid: of the link.
+        share: of the dark colour at a joint.
+    """
+    along = ((solid.vertices - chain.points[i]) * chain.ways[i]).sum(axis=-1)
+    t = along / float(chain.lengths[i])
+    ends = np.exp(-((t / (0.10 if i else 0.2)) ** 2)) + np.exp(-(((t - 1.0) / 0.16) ** 2))
+    outward = (i + np.clip(t, 0.0, 1.0)) / len(chain.ways)
+    dark = share * np.clip(ends + 1.4 * np.maximum(outward - 0.3, 0.0), 0.0, 1.0)
+    return painted(len(t), JOINT_COLOR, dark)
+
+
+def antenna_segment(chain: Chain, i: int) -> Solid:
+    """Return one link of an antenna as a string of segments, each broadest near its end."""
     a, b = chain.points[i], chain.points[i + 1]
     r_a, r_b = float(chain.radii[i]), float(chain.radii[i + 1])
     r_a = min(r_a, 1.4 * r_b) if i == 0 else r_a
     beads = (
         1
         if i == 0 and len(chain.ways) > 1
-        else max(3, round(float(chain.lengths[i]) / (3.2 * max(r_a, r_b))))
+        else max(3, round(float(chain.lengths[i]) / (4.5 * max(r_a, r_b))))
     )
-    beads = min(beads, 9)
-    t = np.linspace(0.0, 1.0, 3 * beads + 1)
-    shape = 0.92 - 0.26 * np.cos(2.0 * np.pi * beads * t)
-    if club and i == len(chain.ways) - 1:
-        shape = shape * (1.0 + 1.1 * t**2)
+    beads = min(beads, 6)
+    place = np.array([0.0, 0.3, 0.75, 0.95])
+    t = np.append((np.arange(beads)[:, None] + place).ravel() / beads, 1.0)
+    shape = np.append(np.tile([0.55, 0.82, 1.0, 0.9], beads), 0.5)
     return tube(a + t[:, None] * (b - a), (r_a + (r_b - r_a) * t) * shape, 6)
 
 
@@ -152,4 +206,20 @@ def mandibles(tip: Array, along: Array, radius: float, size: float) -> list[Soli
         curve[1:-1] = 0.25 * curve[:-2] + 0.5 * curve[1:-1] + 0.25 * curve[2:]
         sizes = radius * size * np.interp(s, [0, 0.5, 1.0], [0.26, 0.20, 0.03])
         solids.append(tube(curve, sizes * (1.0 + 0.14 * np.sin(9.0 * s)), 8))
+    return solids
+
+
+def palps(tip: Array, along: Array, radius: float) -> list[Solid]:
+    """Return the two jointed palps below the jaws."""
+    side = normalized(cross(along, UP))
+    solids = []
+    for sign in (-1.0, 1.0):
+        line = ((0.55, 0.36, -0.50), (1.10, 0.62, -0.62), (1.45, 0.62, -0.30), (1.80, 0.50, -0.55))
+        points = np.array(
+            [tip + radius * (a * along + sign * s * side + u * UP) for a, s, u in line]
+        )
+        t = np.linspace(0.0, 1.0, 13)
+        curve = np.stack([np.interp(t, np.linspace(0, 1, 4), points[:, k]) for k in range(3)], -1)
+        shape = 0.060 + 0.022 * np.cos(2.0 * np.pi * (3.0 * t - 0.75))
+        solids.append(tube(curve, radius * shape, 6))
     return solids

@@ -13,8 +13,9 @@ import numpy as np
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
 from pipeline.simulation.figures.hide.stance import Stance
+from pipeline.simulation.figures.hide.wing_cases import ShellPlan
 from pipeline.simulation.figures.network import HEAD, TAIL
-from pipeline.simulation.spatial import UP, Array
+from pipeline.simulation.spatial import Array
 
 CREASE = 0.10
 """Width of the union of two plates, in their radius."""
@@ -80,7 +81,7 @@ def body_plates(kind: str, stance: Stance) -> dict[str, list[Lump]]:
     """
     axis = Axis.of(stance)
     if kind == "beetle":
-        return {"body": list(_beetle(axis)), HEAD: list(_head(axis, 0.82, 1.05))}
+        return {"body": list(_beetle(beetle_plan(stance))), HEAD: list(_head(axis, 0.72, 1.0))}
     if kind == "crab":
         return {"body": list(_crab(axis))}
     if kind == "spider":
@@ -100,33 +101,34 @@ def _plate(at: Array, radii: tuple[float, float, float], crease: float = CREASE)
     return ball(at, radii, crease * min(radii))
 
 
-def _beetle(axis: Axis) -> Iterator[Lump]:
-    """Yield pronotum, wing cases with a seam, and the darker body below them."""
+def beetle_plan(stance: Stance) -> ShellPlan:
+    """Return where the upper plates of a beetle are."""
+    axis = Axis.of(stance)
     front, r_f = axis.body[0], float(axis.radii[0])
     rear, r_r = axis.rear
     widest = float(axis.radii[1:].max()) if len(axis.radii) > 1 else r_f
-    start = float(front[0]) - 0.62 * r_f
-    end = float(rear[0]) - 0.95 * r_r
-    length = start - end
-    y = float(front[1])
-    a = np.array([start - 0.62 * widest, y + 0.02 * widest, 0.0])
-    b = np.array([end + 0.34 * length, y - 0.04 * widest, 0.0])
-    # They cover the whole of the back, and the roots of the legs.
-    wide = 1.26 * widest
-    for side in (-1.0, 1.0):
-        # Two wing cases side by side: the seam is the crease between them.
-        off = np.array([0.0, 0.0, 0.46 * wide * side])
-        case = cone(
-            *(a + off, b + off * 0.90, (0.54 * wide, 0.54 * wide), (0.50 * wide, 0.50 * wide)),
-            *(0.025 * wide, UP),
-        )
-        case.radii_a[0], case.radii_b[0] = 0.62 * widest, 0.38 * length
-        yield case
-    yield _plate(
-        0.5 * (a + b) - [0.0, 0.26 * widest, 0.0], (0.5 * length, 0.42 * widest, 0.82 * widest)
+    return ShellPlan(
+        front=float(front[0]) + 0.80 * r_f,
+        waist=float(front[0]) - 0.62 * r_f,
+        rear=float(rear[0]) - 0.95 * r_r,
+        rim=float(front[1]) + 0.06 * widest,
+        half_width=1.12 * widest,
+        height=0.66 * widest,
     )
-    yield _plate(front, (0.66 * r_f, 0.60 * r_f, 1.10 * r_f), 0.06)
-    yield _plate(front - [0.28 * r_f, 0.02 * r_f, 0.0], (0.55 * r_f, 0.56 * r_f, 1.16 * r_f), 0.3)
+
+
+def _beetle(plan: ShellPlan) -> Iterator[Lump]:
+    """Yield what is below the upper plates: breast, and rings of the abdomen."""
+    w, length = plan.half_width, plan.waist - plan.rear
+    low = plan.rim - 0.06 * w
+    breast = 0.5 * (plan.front + plan.waist)
+    yield _plate(np.array([breast, low, 0.0]), (0.42 * w, 0.34 * w, 0.62 * w))
+    yield _plate(np.array([plan.waist - 0.16 * length, low, 0.0]), (0.44 * w, 0.44 * w, 0.80 * w))
+    for k in range(5):
+        t = 0.34 + 0.13 * k
+        size = float(plan.case_width(np.array([t]))[0])
+        at = np.array([plan.waist - t * length, low, 0.0])
+        yield _plate(at, (0.13 * length, 0.44 * size, 0.90 * size), 0.04)
 
 
 def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:

@@ -222,7 +222,8 @@ class AnimalHide:
         limb = chain.limb
         last = limb.links[-1]
         own = self._resolved(self.figure.skeleton.links[last].material)
-        toes = self.figure.skin.toes or DEFAULT_TOES[feet]
+        # The word counts toes; hands have the usual fingers.
+        toes = (limb.kind == LEG and self.figure.skin.toes) or DEFAULT_TOES[feet]
         radius = float(chain.radii[-1])
         target = patch
         differs = own != self._resolved(self.figure.skeleton.links[limb.links[0]].material)

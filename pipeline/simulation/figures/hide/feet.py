@@ -15,6 +15,9 @@ from pipeline.simulation.spatial import UP, Array, cross, normalized
 CLAW_SIZE = 0.6
 """Size of the claws of a paw, whose coat hides their roots."""
 
+TWO_TOES = 2.1
+"""Length of the toes of a paw with two, as of a kangaroo, in that of a paw with more."""
+
 LEVEL_LINK = 0.55
 """Sine of the slope up to which a foot points along its last link."""
 
@@ -46,10 +49,14 @@ def paw_lumps(chain: Chain, toes: int, girth: Array) -> Iterator[Lump]:
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
         thick = 0.80 / max(toes, 2) ** 0.55
         off = place * (wide - 0.55 * thick)
-        long = 1.0 - 0.30 * place**2
         root = tip + r * (0.45 * way - 0.35 * UP + off * side)
-        end = tip + r * ((1.05 + 0.45 * long) * way - (0.98 - thick) * UP + 1.12 * off * side)
+        end = tip + r * (_toe_reach(toes, place) * way - (0.98 - thick) * UP + 1.12 * off * side)
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
+
+
+def _toe_reach(toes: int, place: float) -> float:
+    """Return how far ahead a toe ends, in the radius of its foot, by its place from -1 to 1."""
+    return (TWO_TOES if toes == 2 else 1.0) * (1.05 + 0.45 * (1.0 - 0.30 * place**2))
 
 
 def paw_claws(chain: Chain, toes: int, size: float = CLAW_SIZE) -> Iterator[Solid]:
@@ -60,7 +67,7 @@ def paw_claws(chain: Chain, toes: int, size: float = CLAW_SIZE) -> Iterator[Soli
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
         thick = 0.80 / max(toes, 2) ** 0.55
         off = place * (1.15 - 0.55 * thick) * 1.12
-        ahead = 1.05 + 0.45 * (1.0 - 0.30 * place**2) + 0.7 * thick
+        ahead = _toe_reach(toes, place) + 0.7 * thick
         root = tip + r * (ahead * way - (0.90 - thick) * UP + off * side)
         curve = np.array(
             [

@@ -86,12 +86,12 @@ def leg_lumps(chain: Chain, start: int, end: int, girths: Array) -> Iterator[Lum
             *(FORWARD, bulge),
         )
     for i in range(max(start, 1), end):
-        yield from _joint_lumps(chain, i)
+        yield from _joint_lumps(chain, i, float(girths[i].mean()))
 
 
-def _joint_lumps(chain: Chain, i: int) -> Iterator[Lump]:
-    """Yield the bones of a joint: its knob, and its point where it is bent."""
-    at, r = chain.points[i], float(chain.radii[i])
+def _joint_lumps(chain: Chain, i: int, girth: float) -> Iterator[Lump]:
+    """Yield the bones of a joint of some girth: its knob, and its point where it is bent."""
+    at, r = chain.points[i], girth * float(chain.radii[i])
     bend = chain.ways[i - 1] - chain.ways[i]
     sharp = float(np.linalg.norm(bend))
     yield ball(at, (r * 1.06, r * 1.06, r * 0.98), 0.5 * r)
@@ -110,14 +110,14 @@ def haunch_lumps(stance: Stance) -> Iterator[Lump]:
     legs = [stance.chain(limb) for limb in figure.skeleton.legs]
     if len(legs) < 4:
         for leg in legs:
-            yield from _thigh(leg, 0.8)
+            yield from _thigh(leg, 0.8, _knee_girth(figure, leg))
         return
     ahead = np.median([leg.points[0, 0] for leg in legs])
     for leg in legs:
         if leg.points[0, 0] >= ahead:
             yield from _shoulder(leg)
         else:
-            yield from _thigh(leg, 1.0)
+            yield from _thigh(leg, 1.0, _knee_girth(figure, leg))
     front = [leg for leg in legs if leg.points[0, 0] >= ahead]
     r = float(front[0].radii[0])
     middle = np.mean([leg.points[0] for leg in front], axis=0)
@@ -136,11 +136,19 @@ def _shoulder(leg: Chain) -> Iterator[Lump]:
     )
 
 
-def _thigh(leg: Chain, size: float) -> Iterator[Lump]:
+def _knee_girth(figure: Figure, leg: Chain) -> float:
+    """Return the mean of width and depth of a leg's first joint, in its drawn radius."""
+    number = figure.skeleton.limbs.index(leg.limb)
+    node = figure.anatomy.appendages[number].nodes[1]
+    return float(figure.drawing.girths[node, :2].mean())
+
+
+def _thigh(leg: Chain, size: float, knee_girth: float) -> Iterator[Lump]:
     """Yield the muscles before and behind the thigh bone."""
     if len(leg.points) < 3:
         return
-    hip, knee, r, r_k = leg.points[0], leg.points[1], float(leg.radii[0]), float(leg.radii[1])
+    hip, knee, r = leg.points[0], leg.points[1], float(leg.radii[0])
+    r_k = knee_girth * float(leg.radii[1])
     outward = float(np.sign(hip[2]))
     back = hip + size * r * np.array([-0.52, 0.05, 0.10 * outward])
     low = knee + 0.35 * leg.spans[1] * 0.6 + r_k * np.array([-0.35, 0.0, 0.05 * outward])

@@ -54,6 +54,9 @@ class Lump(ConfigModel):
     )
     mirror: bool = Field(False, description="Whether there is another one on the other side.")
     carve: bool = Field(False, description="Whether it is taken away.")
+    color: SkinColor | None = Field(
+        None, description="Colour of the skin and the coat on it; that around it if left out."
+    )
 
 
 class Paint(ConfigModel):

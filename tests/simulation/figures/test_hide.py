@@ -14,6 +14,7 @@ from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
 from pipeline.simulation.figures.hide.lumps import ball, mesh_lumps
 from pipeline.simulation.figures.hide.stance import Stance
+from pipeline.simulation.figures.hide.wing_cases import ShellPlan, wing_case
 from pipeline.spec.figure import Figure as Words
 
 MOST_TRIANGLES = 12_400
@@ -100,6 +101,25 @@ def test_lumps_are_meshed_to_their_radii() -> None:
     np.testing.assert_allclose(np.abs(solid.vertices).max(axis=0), [0.5, 0.3, 0.2], atol=0.02)
 
 
+def test_a_lump_has_its_own_color() -> None:
+    lump = {"node": "rump", "at": [0, 0.9, 0], "radii": [0.5, 0.5, 0.5], "color": "#ff0000"}
+    skin = figure_skin(built({**TABLE, "skin": {"lumps": [lump]}})).skins[0]
+    assert skin.paint is not None
+    red = (skin.paint[:, 3] > 0.9) & (skin.paint[:, 0] > 0.9) & (skin.paint[:, 1] < 0.1)
+    centre = np.array([-0.6, 0.27, 0.0])
+    assert 10 < red.sum() < 0.5 * len(red)
+    assert np.linalg.norm(skin.vertices[red] - centre, axis=-1).max() < 0.3
+
+
+def test_the_wing_cases_of_a_beetle_meet_at_its_seam() -> None:
+    plan = ShellPlan(front=0.6, waist=0.15, rear=-1.3, rim=0.0, half_width=0.56, height=0.33)
+    left, right = (wing_case(plan, side)[0].vertices for side in (-1.0, 1.0))
+    np.testing.assert_allclose(left * [1, 1, -1], right, atol=1e-12)
+    assert 0.0 < right[:-2, 2].min() < 0.01
+    assert right[:, 2].max() == pytest.approx(0.56, rel=0.1)
+    assert right[:, 1].max() == pytest.approx(0.33, rel=0.1)
+
+
 @pytest.mark.parametrize(
     ("skin", "message"),
     [
@@ -108,6 +128,7 @@ def test_lumps_are_meshed_to_their_radii() -> None:
         ({"paint": [{"where": "bely", "color": "#ffffff"}]}, "belly"),
         ({"paint": [{"where": "belly", "color": "white"}]}, "pattern"),
         ({"lumps": [{"node": "chst"}]}, "chest"),
+        ({"lumps": [{"node": "chest", "color": "white"}]}, "pattern"),
         ({"toes": 9}, "5"),
     ],
 )

@@ -40,9 +40,9 @@ from pipeline.simulation.figures.hide.shanks import (
     shank_solid,
     tail_solid,
 )
-from pipeline.simulation.figures.hide.sheets import hoof, painted
+from pipeline.simulation.figures.hide.sheets import hoof, lay, painted
 from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
-from pipeline.simulation.figures.hide.stance import Chain, Stance
+from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
 from pipeline.simulation.figures.hide.trunk import (
     body_lumps,
     haunch_lumps,
@@ -107,12 +107,14 @@ class AnimalHide:
         figure: an animal.
         stance: of the figure.
         patches: by number of the link whose part shows them; 0 is the body.
+        colored: lumps with a colour of their own.
     """
 
     def __init__(self, figure: Figure) -> None:
         self.figure, self.stance = figure, Stance(figure)
         self.patches: dict[int, Patch] = {0: Patch()}
         self.untouched: set[int] = set()
+        self.colored: list[tuple[Lump, str]] = []
         skeleton = figure.skeleton
         self.head_limb = next(
             (i for i, limb in enumerate(skeleton.limbs) if limb.kind == HEAD), None
@@ -402,6 +404,8 @@ class AnimalHide:
             lump = ball(at, radii_of, word.blend * r, axes, word.carve)
             lumps = [lump, lump.mirrored()] if word.mirror else [lump]
             bearer[node].lumps += lumps
+            if word.color is not None:
+                self.colored += [(lump, word.color) for lump in lumps]
             if node in on_skull:
                 for fine in bearer[node].fine:
                     if fine[3]:
@@ -431,6 +435,13 @@ class AnimalHide:
     def _hide(self, solid: Solid, limbs: list[int], is_head: bool = False) -> Skin:
         """Return a surface with its paint and its hair."""
         paint = self.coat.paint(solid, limbs, is_head)
+        for lump, color in self.colored:
+            share = smoothstep(
+                1.0 - 3.0 * lump.distance(solid.vertices) / float(lump.radii_a.min())
+            )
+            if share.any():
+                paint = painted(len(share), color, 0.0) if paint is None else paint
+                lay(paint, color, share)
         return self.stance.hide(solid, limbs, paint, self.hair_lay.hair(solid, limbs, is_head))
 
     def eyes(self) -> Iterator[tuple[int, Skin]]:

@@ -14,7 +14,7 @@ from pipeline.simulation.spatial import UP, Array, cross, normalized
 AROUND = 8
 """Vertices around a link."""
 
-HIP_DROP = 0.17
+HIP_DROP = 0.20
 """How far below its joint a beetle's leg leaves the body, in the length of its thigh."""
 
 JOINT_COLOR = "#120b07"
@@ -65,10 +65,10 @@ def beetle_leg(chain: Chain, i: int) -> list[Solid]:
         drop = HIP_DROP * float(chain.lengths[0]) * UP
         t = np.linspace(0.0, 1.0, 12)[:, None]
         root = a - drop
-        bow = a + 0.52 * chain.spans[0] - 0.85 * drop
+        bow = a + 0.52 * chain.spans[0] - 1.15 * drop
         middle = (1 - t) ** 2 * root + 2 * t * (1 - t) * bow + t**2 * b
         shape = np.interp(
-            t[:, 0], [0.0, 0.06, 0.12, 0.5, 0.85, 0.95, 1.0], [1.0, 1.1, 1.0, 1.8, 1.25, 1.1, 0.7]
+            t[:, 0], [0.0, 0.06, 0.12, 0.58, 0.85, 0.95, 1.0], [1.0, 1.1, 1.0, 1.65, 1.25, 1.1, 0.7]
         )
         hip = np.array([root, root + 0.10 * (bow - root), root + 0.24 * (bow - root)])
         thick = r * np.array([1.2, 1.6, 1.1])

@@ -149,9 +149,9 @@ def scutellum(plan: ShellPlan) -> tuple[Solid, Paint]:
     angle = np.arange(10) * (2.0 * np.pi / 10)
     length = 0.30 * plan.half_width
     top = plan.rim + plan.case_height(t * length / (plan.waist - plan.rear))
-    thick = 0.045 * plan.half_width
+    thick = 0.03 * plan.half_width
     x = np.broadcast_to((plan.waist - t * length)[:, None], (len(t), 10))
-    y = top[:, None] + thick * np.sin(angle)
+    y = top[:, None] + thick * (np.sin(angle) - 0.5)
     z = wide[:, None] * np.cos(angle)
     rings = np.stack([x, y, z], axis=-1)
     solid = outward(loft(rings, rings.mean(axis=1)[[0, -1]]))

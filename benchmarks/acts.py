@@ -311,8 +311,8 @@ def blocked(act: Act) -> None:
     act.order("a", f"{verb}: {act.name('t' if verb == 'grab' else 'b')}")
 
 
-LET_GO_TIME = 11.0
-"""When hugging people are told to let go [s]."""
+LET_GO_TIME, ARMS_DOWN_TIME = 11.0, 2.0
+"""When hugging people are told to let go, and the time in which their arms sink [s]."""
 
 SECONDS = 14.0
 KINDS: dict[str, tuple[Callable[[Act], None], float]] = {
@@ -325,7 +325,7 @@ KINDS: dict[str, tuple[Callable[[Act], None], float]] = {
     "sit": (sit, 16.0),
     "push": (push, SECONDS),
     "reach": (reach, SECONDS),
-    "hug": (hug, SECONDS),
+    "hug": (hug, LET_GO_TIME + ARMS_DOWN_TIME),
     "hug lost": (hug_lost, SECONDS),
     "blocked": (blocked, SECONDS),
 }

@@ -69,6 +69,7 @@ class HugShape:
 HUG = HugShape()
 
 SHOVE_RANGE = 0.5  # of who shoves from the middle of the other, in arm lengths
+SHOVING_RATE = 3.0  # speed of the last steps to a shove, by the distance that is left [1/s]
 STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
 HUG_REACHED = 0.06  # from touching, within which arms close [m]
@@ -279,6 +280,54 @@ class Grab(Task):
 
 
 @dataclass
+class Encounter:
+    """Two who come to each other, as one of them sees it.
+
+    Two who each slow down before the place of the other meet at full speed: they slow down before
+    the place where they meet.
+
+    Attributes:
+        coming: speed at which the partner comes nearer [m/s].
+        seen: place of the partner (3,) at the step before [m].
+    """
+
+    coming: float = 0.0
+    seen: Array | None = None
+
+    def share_of_way(
+        self, controller: PersonController, partner: Array, touching: float, dt: float
+    ) -> float:
+        """Return how much of the way the partner comes itself [m].
+
+        Args:
+            controller: of the person.
+            partner: (3,) where the partner is [m].
+            touching: distance at which the way ends [m].
+            dt: time since the last call [s].
+        """
+        ahead = controller.direction_to(partner)
+        moved = np.zeros(3) if self.seen is None else partner - self.seen
+        self.seen = partner.copy()
+        share = min(dt / COMING_TIME, 1.0)
+        self.coming += share * (max(-float(moved @ ahead) / dt, 0.0) - self.coming)
+        own = math.hypot(*controller.record.velocity)
+        left = max(controller.ground_distance(partner) - touching, 0.0)
+        return left * self.coming / max(self.coming + own, LEAST_APPROACH)
+
+
+def closing_pace(controller: PersonController, left: float, rate: float = CLOSING_RATE) -> float:
+    """Return the pace of the last steps to a person [m/s].
+
+    Args:
+        controller: of the person.
+        left: distance from touching [m].
+        rate: at which the distance closes [1/s].
+    """
+    slowest = SLOWEST_FROUDE * math.sqrt(GRAVITY * float(controller.record.hip_height))
+    return max(rate * left, slowest)
+
+
+@dataclass
 class Hug(Task):
     """Go to a character, put both arms around it, and join the hands.
 
@@ -286,8 +335,7 @@ class Hug(Task):
         owner: number of the partner.
         size: height of the partner [m].
         touched: time since the two touch [s], 0 before.
-        coming: speed at which the partner comes nearer [m/s].
-        seen: place of the partner (3,) at the step before [m].
+        encounter: with the partner.
         is_gentle: whether the last steps are slow.
         is_near: whether the person has opened its arms.
         is_answered: whether the partner has accepted or declined.
@@ -297,8 +345,7 @@ class Hug(Task):
     owner: int
     size: float
     touched: float = 0.0
-    coming: float = 0.0
-    seen: Array | None = None
+    encounter: Encounter = field(default_factory=Encounter)
     is_gentle: bool = True
     is_near: bool = False
     is_answered: bool = False
@@ -311,13 +358,12 @@ class Hug(Task):
         closeness = HUG.chest_radius * (person.height + self.size)
         distance = controller.ground_distance(partner)
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
-            share = self._share_of_way(controller, partner, closeness, dt)
+            share = self.encounter.share_of_way(controller, partner, closeness, dt)
             stop = closeness - HUG_DEPTH + share
             reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
             self.stick(reason, self.approach)
             if self.is_gentle:
-                slowest = SLOWEST_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
-                self.most_pace = max(CLOSING_RATE * (distance - closeness - share), slowest)
+                self.most_pace = closing_pace(controller, distance - closeness - share)
             if distance < closeness + 1.1 * controller.arm:
                 self.is_near = True
                 # Bowing only once the partner is there would knock heads.
@@ -340,23 +386,6 @@ class Hug(Task):
             if gap < HUG.hands_joined * person.height:
                 controller.join_hands()
         return self.touched > PATIENCE
-
-    def _share_of_way(
-        self, controller: PersonController, partner: Array, closeness: float, dt: float
-    ) -> float:
-        """Return how much of the way the partner comes itself [m].
-
-        Two who each slow down before the place of the other meet at full speed: they slow down
-        before the place where they meet.
-        """
-        ahead = controller.direction_to(partner)
-        moved = np.zeros(3) if self.seen is None else partner - self.seen
-        self.seen = partner.copy()
-        share = min(dt / COMING_TIME, 1.0)
-        self.coming += share * (max(-float(moved @ ahead) / dt, 0.0) - self.coming)
-        own = math.hypot(*controller.record.velocity)
-        left = max(controller.ground_distance(partner) - closeness, 0.0)
-        return left * self.coming / max(self.coming + own, LEAST_APPROACH)
 
     def _bow(self, controller: PersonController) -> None:
         level = self._arm_level(controller, 0)
@@ -508,11 +537,13 @@ class Grapple(Task):
     Attributes:
         owner: number of the character.
         time: since the arms came up [s].
+        encounter: with it.
         approach: to it.
     """
 
     owner: int
     time: float = 0.0
+    encounter: Encounter = field(default_factory=Encounter)
     approach: Approach = field(default_factory=Approach)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
@@ -520,8 +551,11 @@ class Grapple(Task):
         if self.time > PATIENCE:
             return True
         partner, stop = controller.view.pelvis(self.owner), SHOVE_RANGE * controller.arm
-        reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
-        is_near = controller.ground_distance(partner) < 1.3 * controller.arm
+        share = self.encounter.share_of_way(controller, partner, stop, dt)
+        reason = self.approach.walk_to(controller, partner, stop + share, self.owner, dt)
+        distance = controller.ground_distance(partner)
+        self.most_pace = closing_pace(controller, distance - stop - share, SHOVING_RATE)
+        is_near = distance < 1.3 * controller.arm
         for k in range(2):
             if not controller.is_holding(k):
                 controller.record.arm_mode[k] = REACHING if is_near else SWINGING

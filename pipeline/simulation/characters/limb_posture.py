@@ -222,6 +222,7 @@ def two_link_joint(root: Vector, tip: Vector, upper: float, lower: float, pole: 
 
 # Legs.
 MAX_LEG_STRETCH = 0.995  # of a swinging leg, in the sum of its links
+RUNNING_FOLD = 0.2  # less of it in the middle of a runner's swing
 KNEE_OUTWARD = 0.06  # of bent knees, as a tangent; more in sitting
 SQUAT_OUTWARD = 0.8  # in a crouch, so that arms reach down between the knees
 MAX_KNEE_INWARD = 0.1  # [rad], so that knees do not strike one another
@@ -237,7 +238,7 @@ def hold_legs(person: Record) -> None:
     for k in range(2):
         hip, ankle = row(person.targets, HIP + k), row(person.ankles, k)
         if person.foot_state[k] == SWING:
-            longest = MAX_LEG_STRETCH * (person.thigh + person.shin)
+            longest = _longest_swing(person, k)
             ankle = clamp_distance(hip, ankle, 0.0, longest)
             put(person.ankles, k, ankle)
         side = 1.0 if k == 1 else -1.0
@@ -257,6 +258,27 @@ def hold_legs(person: Record) -> None:
         put(person.targets, KNEE + k, knee)
         put(person.targets, FOOT + k, ankle)
     _part_knees(person)
+
+
+@compiled
+def _swing_fraction(person: Record, k: int) -> float:
+    """Return the fraction of the time of its swing at which a foot is, beyond 1 in stance."""
+    _, stance = gait_pace(person)
+    fraction: float = leg_phase(person, k) / (1.0 - stance)
+    return fraction
+
+
+@compiled
+def _longest_swing(person: Record, k: int) -> float:
+    """Return the greatest distance of a swinging foot from its hip [m].
+
+    A runner's foot, left behind at lift-off, does not hang on a stretched leg until it catches up:
+    such a leg would fold in a snap.
+    """
+    u = min(_swing_fraction(person, k), 1.0)
+    fold = RUNNING_FOLD * run_blend(ground_speed(person), leg_length(person))
+    fraction: float = MAX_LEG_STRETCH - fold * 16.0 * (u * (1.0 - u)) ** 2
+    return fraction * (person.thigh + person.shin)
 
 
 @compiled
@@ -288,8 +310,7 @@ def _middle_of_swing(person: Record, k: int) -> float:
     """Return 1 in most of a foot's swing, 0 where it stands, gradual in between."""
     if person.foot_state[k] != SWING or not person.stepping:
         return 0.0
-    _, stance = gait_pace(person)
-    u = leg_phase(person, k) / (1.0 - stance)
+    u = _swing_fraction(person, k)
     return smoothstep(min(u, 1.0 - u) / PARTING_BLEND)
 
 

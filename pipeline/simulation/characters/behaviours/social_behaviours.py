@@ -24,6 +24,7 @@ from pipeline.simulation.characters.contact_tasks import (
     ReturnHug,
 )
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Attachment, Comfort, Fight
 
 if TYPE_CHECKING:
@@ -43,8 +44,9 @@ MIN_HUG_TIME = 0.5  # for the arms to close before a hug ends [s]
 # Fights.
 PROVOCATION_RANGE = 3.0  # of a rival [m]
 ROUND_TIME, ROUND_PAUSE = 2.2, 2.5  # of shoving, and of keeping a distance after [s]
-SHOVE_GAP = 1.1  # in arm lengths
+SHOVE_GAP = 2.0  # from which steps to a shove slow down, in arm lengths
 STAND_OFF = 1.1  # distance between rounds [m]
+SLACK = 0.15  # of that distance, within which nobody steps back
 
 
 @implements(Attachment)
@@ -167,21 +169,31 @@ class FightRival(ConfiguredBehaviour[Fight]):
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         place = mind.place(self.target)
+        if self.grapple is not None and mind.now - self.began > ROUND_TIME:
+            self.grapple = None
+            self.pause_end = mind.now + ROUND_PAUSE * (0.7 + 0.6 * float(mind.rng.random()))
         if mind.now < self.pause_end:
             distance = STAND_OFF + mind.body_radius + float(mind.surroundings.radius[self.target])
             if mind.distance_to(self.target) > distance:
                 return steer(mind, place, distance, target=self.target, pace=mind.stroll)
-            return MotorCommand(facing=mind.heading_to(place), target=self.target)
+            return self._step_back(mind, place, distance)
         if self.grapple is None and mind.gap(self.target) < SHOVE_GAP * mind.controller.arm:
             self.grapple, self.began = Grapple(self.target), mind.now
         if self.grapple is None:
             return steer(mind, place, target=self.target, touching=True)
-        if mind.now - self.began > ROUND_TIME:
-            self.grapple = None
-            self.pause_end = mind.now + ROUND_PAUSE * (0.7 + 0.6 * float(mind.rng.random()))
-            return MotorCommand(facing=mind.heading_to(place), target=self.target)
         pace = 0.5 * (mind.stroll + mind.pace)
         return MotorCommand(task=self.grapple, pace=pace, target=self.target, touching=True)
+
+    def _step_back(self, mind: Mind, place: Array, distance: float) -> MotorCommand:
+        """Return the motor command that keeps a distance, with the eyes on the rival [m]."""
+        facing, offset = mind.heading_to(place), mind.at - place
+        left = distance - mind.distance_to(self.target)
+        if left < SLACK * distance:
+            return MotorCommand(facing=facing, target=self.target)
+        away = mind.clip_to_terrain(mind.at + offset * (left / max(math.hypot(*offset), 1e-6)))
+        goal = float(away[0]), float(away[1])
+        pace = GENTLE_PACE * mind.stroll
+        return MotorCommand(goal=goal, pace=pace, target=self.target, facing=facing)
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""

@@ -12,7 +12,7 @@ Turchet et al. 2010 for heel and toe and the materials.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -265,8 +265,8 @@ def _struck(
         bank = excited_modes(
             family.shape, pitch, solid.loss, damping, family.tilt, rng.uniform(), rng
         )
-        heard = bank.amplitude * contact_attenuation(bank.frequency, seconds)
-        rung = ring(replace(bank, amplitude=heard), samples, force_pulse(seconds))
+        heard = bank.scaled(contact_attenuation(bank.frequency, seconds))
+        rung = ring([heard], samples, force_pulse(seconds))
         sound += level * normalized(rung)
     # Sole and floor meet at many points, not at one.
     slap = band_noise(SLAP, (500.0, max(2.0 / seconds, 1800.0)), rng)

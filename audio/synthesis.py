@@ -24,7 +24,7 @@ from audio.dsp import (
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_bank import ModalBank, joined, ring
+from audio.modal_bank import ModalBank, audible_seconds, ring
 from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
 from audio.motion import Motion
 from audio.notes import Note
@@ -226,7 +226,7 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     body = np.ones(1)
     if voice.resonates:
         bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
-        body = _ring(bank.with_decay_time(_JOINT_RING), sound)
+        body = _ring([bank.with_decay_time(_JOINT_RING)], sound)
     motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, *_PITCHES)), sound.speed)
     return voice.synthesize(motion, body, rng)
 
@@ -269,7 +269,7 @@ def _struck(banks: list[ModalBank], seconds: float, sound: SoundParameters) -> S
     if len(heard) > 1:
         # Opposite signs would hide the onset.
         heard = [bank.scaled(np.copysign(1.0, bank.start.real.sum())) for bank in heard]
-    return _ring(joined(heard), sound, force_pulse(seconds))
+    return _ring(heard, sound, force_pulse(seconds))
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
@@ -307,14 +307,13 @@ def _ground_modes(
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 
-def _ring(bank: ModalBank, sound: SoundParameters, *force: Signal) -> Signal:
-    """Return the sound (N,) of a bank under a force (K,) or an impulse, as air carries it."""
-    absorption = _absorption(bank.frequency, sound.distance)
-    bank = bank.scaled(absorption)
-    audible = float(bank.audible_seconds.max(initial=0.0))
-    seconds = min(bank.seconds, audible, max(_MAX_RING, sound.decay))
+def _ring(banks: list[ModalBank], sound: SoundParameters, *force: Signal) -> Signal:
+    """Return the sound (N,) of banks under a force (K,) or an impulse, as air carries it."""
+    heard = [bank.scaled(_absorption(bank.frequency, sound.distance)) for bank in banks]
+    longest = max(bank.seconds for bank in heard)
+    seconds = min(longest, audible_seconds(heard), max(_MAX_RING, sound.decay))
     samples = max(int(seconds * SAMPLE_RATE), _FADE)
-    signal = ring(bank, samples, *force)
+    signal = ring(heard, samples, *force)
     # Other layers may last longer, and would not cover its end.
     return _faded(signal, min(_FADE, samples // 4))
 
@@ -349,7 +348,7 @@ def _friction(
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)
         noise *= 1 + _ROLL_MODULATION * np.sin(2 * np.pi * turns / SAMPLE_RATE)
     bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
-    body = _ring(bank, sound)
+    body = _ring([bank], sound)
     # The slope of the profile excites the body: read slowly, it hardly does.
     excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])
     signal = normalized(noise) + _FRICTION_RESONANCE * normalized(excited)

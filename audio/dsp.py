@@ -35,8 +35,8 @@ _MIN_FFT_SIZE = 1 << 14
 _RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE)
 # Samples of a noise that is shared.
 _SHARED_NOISE = 2**17
-# Duration of the click of an impact on loose ground, of a grain, and of a grain's decay [s].
-_CRUNCH_DECAY, _GRAIN_LENGTH, _GRAIN_DECAY = 0.003, 0.006, 0.0012
+# Decay of the click of an impact on loose ground, and that of a grain [s].
+_CRUNCH_DECAY, _GRAIN_DECAY = 0.003, 0.0012
 
 
 def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator) -> Signal:
@@ -58,6 +58,7 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
 def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generator) -> Signal:
     """Return a stretch of a noise that all sounds of a band share, RMS about 1: (samples,).
 
+    Nobody may change it.
     It starts anywhere in the noise, which goes around, so that no two stretches are alike.
 
     Args:
@@ -67,12 +68,16 @@ def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generat
     """
     noise = _noise_of_band(band)
     start = int(rng.integers(noise.size))
+    if start + samples <= noise.size:
+        return noise[start : start + samples]
     return np.resize(np.concatenate((noise[start:], noise[:start])), samples)
 
 
 @lru_cache(maxsize=32)
 def _noise_of_band(band: tuple[float, float]) -> Signal:
-    return band_noise(_SHARED_NOISE, band, seeded("noise", *band))
+    noise = band_noise(_SHARED_NOISE, band, seeded("noise", *band))
+    noise.setflags(write=False)
+    return noise
 
 
 def band_response(frequency: Signal, band: tuple[float, float]) -> Signal:
@@ -101,7 +106,7 @@ def grain_noise(
     samples = max(int(decay * SAMPLE_RATE), 64)
     t = np.arange(samples) / SAMPLE_RATE
     fall = np.exp(-SILENCE_EXPONENT * t / decay)
-    noise = band_noise(samples, band, rng)
+    noise = shared_noise(samples, band, rng)
     envelope = np.exp(-t / _CRUNCH_DECAY)
     if rate > 0:
         envelope += fall * _bursts(samples, rate, rng)
@@ -120,8 +125,7 @@ def _bursts(samples: int, rate: float, rng: np.random.Generator) -> Signal:
     strengths = rng.exponential(1.0, count)
     impulses = np.zeros(samples)
     np.add.at(impulses, starts, strengths)
-    t = np.arange(int(_GRAIN_LENGTH * SAMPLE_RATE)) / SAMPLE_RATE
-    return np.convolve(impulses, np.exp(-t / _GRAIN_DECAY))[:samples]
+    return np.asarray(lfilter([1.0], [1.0, -np.exp(-1 / (_GRAIN_DECAY * SAMPLE_RATE))], impulses))
 
 
 def without_offset(sound: Signal, envelope: Signal) -> Signal:
@@ -136,23 +140,25 @@ def normalized(sound: Signal) -> Signal:
 
 
 def convolve(sound: Signal, response: Signal) -> Signal:
-    """Return a sound convolved with an impulse response, as long as the sound: (N,).
+    """Return a sound convolved with impulse responses, as long as the sound: (..., N).
 
     Overlap-add; blocks of silence are skipped and stay exactly silent.
 
     Args:
         sound: (N,).
-        response: (K,).
+        response: (..., K).
     """
-    size = max(_MIN_FFT_SIZE, 1 << (4 * response.size - 1).bit_length())
-    step = size - response.size + 1
+    taps = response.shape[-1]
+    size = max(_MIN_FFT_SIZE, 1 << (4 * taps - 1).bit_length())
+    step = size - taps + 1
     spectrum = np.fft.rfft(response, size)
-    whole = np.zeros(sound.size + size)
+    whole = np.zeros((*response.shape[:-1], sound.size + size))
     for start in range(0, sound.size, step):
         block = sound[start : start + step]
         if block.any():
-            whole[start : start + size] += np.fft.irfft(np.fft.rfft(block, size) * spectrum, size)
-    return whole[: sound.size]
+            heard = np.fft.irfft(np.fft.rfft(block, size) * spectrum, size)
+            whole[..., start : start + size] += heard
+    return whole[..., : sound.size]
 
 
 def resample(sound: Signal, rate: Signal) -> Signal:
@@ -197,6 +203,11 @@ def pan_gains(pan: float) -> tuple[float, float]:
     angle = (pan + 1) * pi / 4
     # cos(π/2) is 6e-17, which would keep the far side from being silent.
     return max(cos(angle), 0.0) * (pan < 1), max(sin(angle), 0.0) * (pan > -1)
+
+
+def silence(samples: int, channels: int = 2) -> Signal:
+    """Return silence, (samples, channels), with each channel in one piece."""
+    return np.zeros((channels, samples)).T
 
 
 def mix_in(mix: Signal, start: int, sound: Signal, gains: Sequence[Gain]) -> None:

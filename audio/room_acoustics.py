@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from math import atan2, hypot, sin, sqrt
 
 import numpy as np
 
 from audio.config.sound import Room, RoomName
-from audio.dsp import SILENCE_EXPONENT, Signal, convolve, mix_in
+from audio.dsp import SILENCE_EXPONENT, Signal, convolve, mix_in, silence
 from audio.layouts import STEREO, Layout
 from audio.score import ScoreEvent
 from audio.source_motion import SPEED_OF_SOUND
@@ -127,7 +128,7 @@ class Reverberator:
 
     def __init__(self, room: RoomAcoustics, samples: int, layout: Layout = STEREO) -> None:
         self.room, self._layout = room, layout
-        self._early = np.zeros((samples, len(layout.channels))) if room.reflectance > 0 else None
+        self._early = silence(samples, len(layout.channels)) if room.reflectance > 0 else None
         self._late = np.zeros(samples) if room.wet * room.seconds > 0 else None
 
     def feed(self, event: ScoreEvent, start: int, sound: Signal, gain: float, send: float) -> None:
@@ -158,8 +159,9 @@ class Reverberator:
         if self._late is not None and self._late.any():
             # Around the listener, each from its own side and unlike the others.
             sides = [azimuth for pair in self._layout.bed for azimuth in pair]
-            for number, azimuth in enumerate(sides):
-                tail = convolve(self._late, reverb_response(self.room.seconds, number))
+            responses = [reverb_response(self.room.seconds, number) for number in range(len(sides))]
+            tails = convolve(self._late, np.stack(responses))
+            for tail, azimuth in zip(tails, sides, strict=True):
                 for channel, gain in enumerate(self._layout.gains(azimuth)):
                     if gain:
                         mix[:, channel] += self.room.wet * gain * tail
@@ -170,6 +172,7 @@ def _wall_response() -> Signal:
     return np.asarray((1 - _WALL_POLE) * _WALL_POLE ** np.arange(_WALL_TAPS))
 
 
+@lru_cache(maxsize=16)
 def reverb_response(seconds: float, side: int) -> Signal:
     """Return the impulse response of late reverberation, of energy 1: (K,).
 

@@ -10,13 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from audio.dsp import Signal
+from audio.dsp import Signal, upsampled
 from audio.loudness_at_listener import MIN_DISTANCE
 from audio.score import Bearing
 from audio.time_grid import SAMPLE_RATE
 
 SPEED_OF_SOUND = 343.0
 """At 20 °C [m/s]."""
+
+CONTROL_RATE = 1000
+"""Values a second of what follows a moving source."""
 
 # Doppler's law has a pole at the speed of sound.
 _MAX_SPEED = 0.8 * SPEED_OF_SOUND
@@ -68,8 +71,14 @@ def speed_profile(
 
 def _interpolate(values: tuple[float, ...], samples: int, duration: float) -> Signal:
     """Return values at even times, linearly interpolated at each sample: (samples,)."""
+    return upsampled(_course(values, samples, duration), CONTROL_RATE, samples)
+
+
+def _course(values: tuple[float, ...], samples: int, duration: float) -> Signal:
+    """Return values at even times, linearly interpolated at the control rate: (K,)."""
     times = np.linspace(0.0, max(duration, 1 / SAMPLE_RATE), len(values))
-    return np.asarray(np.interp(np.arange(samples) / SAMPLE_RATE, times, np.asarray(values)))
+    steps = samples * CONTROL_RATE // SAMPLE_RATE + 2
+    return np.asarray(np.interp(np.arange(steps) / CONTROL_RATE, times, np.asarray(values)))
 
 
 def moving_gains(
@@ -90,10 +99,12 @@ def moving_gains(
     """
     # Interpolated sines: a source that passes behind the listener stays behind.
     sines = tuple(float(np.sin(b.azimuth)) if pan is None else pan for b in course)
-    sine = _interpolate(sines, samples, duration)
-    angle = (np.clip(sine, -1.0, 1.0) + 1) * np.pi / 4
+    angle = (_course(sines, samples, duration) + 1) * np.pi / 4
     near = _nearness(course, nearest, duration, samples)
-    return near * np.cos(angle), near * np.sin(angle)
+    left, right = (
+        upsampled(near * side(angle), CONTROL_RATE, samples) for side in (np.cos, np.sin)
+    )
+    return left, right
 
 
 def surrounding_gains(
@@ -114,11 +125,14 @@ def surrounding_gains(
     """
     near = _nearness(course, nearest, duration, samples)
     each = np.array([gains(bearing.azimuth) for bearing in course])
-    return tuple(near * _interpolate(tuple(row), samples, duration) for row in each.T)
+    return tuple(
+        upsampled(near * _course(tuple(row), samples, duration), CONTROL_RATE, samples)
+        for row in each.T
+    )
 
 
 def _nearness(course: tuple[Bearing, ...], nearest: float, duration: float, samples: int) -> Signal:
-    """Return how much softer a sound is than where it is nearest: (samples,)."""
+    """Return how much softer a sound is than where it is nearest, at the control rate: (K,)."""
     distances = tuple(max(bearing.distance, MIN_DISTANCE) for bearing in course)
-    distance = _interpolate(distances, samples, duration)
+    distance = _course(distances, samples, duration)
     return np.asarray(max(nearest, MIN_DISTANCE) / distance)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from audio import footsteps
-from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
+from audio.acoustic_materials import MaterialFamily, family_of, solid_of, usual_shape
 from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import (
@@ -28,6 +28,7 @@ from audio.modal_bank import ModalBank, audible_seconds, ring
 from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
 from audio.motion import Motion
 from audio.notes import Note
+from audio.score import ScoreEvent
 from audio.seeded import seeded
 from audio.source_motion import SpeedProfile, speed_profile
 from audio.time_grid import SAMPLE_RATE
@@ -35,9 +36,11 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Steps of the speed in each octave: of a motion, whose pitch follows it, and of an impact, where it
-# counts by its fifth root; and those of the leg's length of a footstep.
-_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES = 2, 1, 4
+# Variants of two bodies that meet, because points and durations of their contacts differ anyway.
+_CLASH_VARIANTS = 8
+# Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on grains;
+# of the length of the leg of a footstep, and of the duration of a contact.
+_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 4
 # Distance below which air takes nothing that is heard: 0.6 dB at 10 kHz [m].
 _NEAR = 4.0
 # Random variation of the level [dB].
@@ -70,6 +73,9 @@ _SLOWEST = 0.02
 _MIN_ONSET = 2e-3
 _FADE = int(0.005 * SAMPLE_RATE)
 
+SHORTEST_CONTACT = 1 / SAMPLE_RATE
+"""Duration of a contact that sounds like any shorter one [s]."""
+
 MIN_DURATION = 64 / SAMPLE_RATE
 """Least duration of a sustained sound [s]."""
 
@@ -83,14 +89,16 @@ class SoundParameters:
         material: of the body that sounds.
         surface: material of what it met.
         size: of the body [m]; of a footstep the length of the leg, in quarters of an octave.
-        speed: [m/s], in steps of 3 dB, of an impact in steps of 6 dB.
+        speed: [m/s], in steps of 3 dB; of a footstep and of an impact on grains in steps of 6 dB;
+            0 of other impacts, which differ by the duration of their contacts alone.
         distance: [m], in powers of two, for the absorption of air.
         pitch: configured pitch [Hz]; 0 for the pitch of the size.
         decay: configured decay time [s]; 0 for that of the materials.
         duration: audible duration of a sustained sound [s]; 0 for an impact.
         variant: number of the random variant.
-        spot: point of impact along the longest axis, in steps of a 16th; None if unknown.
-        mass: of what strikes [kg], in steps of 3 dB; 0 for that of the body.
+        spot: point of impact along the longest axis, in steps of a 16th; None if unknown. Mirror
+            images of a point are the same.
+        contact: duration of the contact of an impact, in quarters of an octave [s].
         shape: of the body; None for that usual for its material.
         struck_shape: of the body that it met; None for the ground.
         full_duration: of the sustained sound, with the part after the end of the score [s].
@@ -109,7 +117,7 @@ class SoundParameters:
     duration: float
     variant: int
     spot: float | None = None
-    mass: float = 0.0
+    contact: float = SHORTEST_CONTACT
     shape: BodyShape | None = None
     struck_shape: BodyShape | None = None
     full_duration: float = 0.0
@@ -131,26 +139,35 @@ def sound_parameters(
         remaining: time to the end of the score [s].
     """
     event, key = note.event, note.event.key
-    if _is_footstep(event.cause, note.tuned, note.decay or 0.0):
+    is_step = _is_footstep(event.cause, note.tuned, note.decay or 0.0)
+    if is_step:
         # Steps of like feet share their syntheses, wherever they strike and however hard.
         size = _quantized(float(np.clip(event.size, *_SIZES)), _STEP_SIZES)
         event = replace(event, size=size, spot=None, energy=0.0, shape=None, struck_shape=None)
-    is_impact = cause_voice(event.cause) is None and not event.duration
     rng = seeded(seed, *key, occurrence)
-    speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
+    speed, contact = min(max(abs(event.strength), _SLOWEST), 1e3), SHORTEST_CONTACT
+    steps, variants = _SPEEDS, _VARIANTS
+    if cause_voice(event.cause) is None and not event.duration:
+        contact = _quantized(max(_contact_seconds(event, speed), SHORTEST_CONTACT), _CONTACTS)
+        steps = _IMPACT_SPEEDS
+        families = family_of(event.material), family_of(event.surface)
+        if not is_step and all(family.grain_level is None for family in families):
+            speed = 0.0
+        if event.struck_shape is not None and event.spot is not None:
+            variants = _CLASH_VARIANTS
     parameters = SoundParameters(
         cause=event.cause,
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(speed, _IMPACT_SPEEDS if is_impact else _SPEEDS),
-        distance=_quantized(float(np.clip(event.distance, _NEAR, 1e4)), 1),
+        speed=_quantized(speed, steps) if speed else 0.0,
+        distance=_quantized(min(max(event.distance, _NEAR), 1e4), 1),
         pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
-        variant=int(rng.integers(_VARIANTS)),
-        spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
-        mass=_striking_mass(event.energy, speed),
+        variant=int(rng.integers(variants)),
+        spot=_spot(event),
+        contact=contact,
         shape=event.shape,
         struck_shape=event.struck_shape,
         full_duration=event.duration,
@@ -165,11 +182,26 @@ def _is_footstep(cause: str, is_tuned: bool, decay: float) -> bool:
     return cause == footsteps.CAUSE and not is_tuned and not decay
 
 
-def _striking_mass(energy: float, speed: float) -> float:
-    """Return the mass of a body of this energy [J] and speed [kg]; 0 if unknown."""
-    if energy <= 0:
-        return 0.0
-    return _quantized(float(np.clip(2 * energy / speed**2, 1e-6, 1e6)), 1)
+def _spot(event: ScoreEvent) -> float | None:
+    """Return the point of impact, on the first half of a body that is its own mirror image."""
+    if event.spot is None:
+        return None
+    spot = round(event.spot * _SPOTS) / _SPOTS
+    is_vessel = event.shape is not None and event.shape.kind == "vessel"
+    return spot if is_vessel else min(spot, 1.0 - spot)
+
+
+def _contact_seconds(event: ScoreEvent, speed: float) -> float:
+    """Return how long bodies touch that meet at a speed [m/s]."""
+    solids = solid_of(event.material), solid_of(event.surface)
+    shape = event.shape or _usual_shape(event.material, event.size)
+    mass = 2 * event.energy / speed**2 if event.energy > 0 else shape.volume * solids[0].density
+    curvature = 1 / shape.contact_radius
+    if event.struck_shape is not None:
+        other = event.struck_shape.volume * solids[1].density
+        mass = mass * other / (mass + other)
+        curvature += 1 / event.struck_shape.contact_radius
+    return contact_seconds(solids, 1 / curvature, mass, speed)
 
 
 def _quantized(value: float, steps_per_doubling: int) -> float:
@@ -233,15 +265,14 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
 
 def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
     own, ground = family_of(sound.material), family_of(sound.surface)
-    solids = solid_of(sound.material), solid_of(sound.surface)
-    seconds = _contact_seconds(sound, solids)
     banks = [_body_modes(sound, rng)]
     if sound.struck_shape is None:
         # The ground yields the more, the softer it is.
-        compliance = solids[0].young / (solids[0].young + solids[1].young)
+        young = solid_of(sound.material).young
+        compliance = young / (young + solid_of(sound.surface).young)
         level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
         layers = [
-            share * normalized(_struck([bank], seconds, sound))
+            share * normalized(_struck([bank], sound))
             for share, bank in (
                 (1 - level, banks[0]),
                 (level, _ground_modes(ground, sound, rng)),
@@ -252,7 +283,7 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
             sound, material=sound.surface, surface=sound.material, shape=sound.struck_shape
         )
         banks.append(_body_modes(replace(other, spot=None, pitch=0.0), rng))
-        layers = [normalized(_struck(banks, seconds, sound))]
+        layers = [normalized(_struck(banks, sound))]
     for family in (own, ground):
         if family.grain_level is not None:
             low, high = family.grain_band
@@ -263,8 +294,9 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
     return _mix_layers(layers)
 
 
-def _struck(banks: list[ModalBank], seconds: float, sound: SoundParameters) -> Signal:
-    """Return the ring of banks under the force of a contact of this duration [s]."""
+def _struck(banks: list[ModalBank], sound: SoundParameters) -> Signal:
+    """Return the ring of banks under the force of a contact."""
+    seconds = sound.contact
     heard = [bank.scaled(contact_attenuation(bank.frequency, seconds)) for bank in banks]
     if len(heard) > 1:
         # Opposite signs would hide the onset.
@@ -272,23 +304,13 @@ def _struck(banks: list[ModalBank], seconds: float, sound: SoundParameters) -> S
     return _ring(heard, sound, force_pulse(seconds))
 
 
-def _shape(sound: SoundParameters) -> BodyShape:
-    return sound.shape or usual_shape(sound.material, float(np.clip(sound.size, *_SIZES)))
-
-
-def _contact_seconds(sound: SoundParameters, solids: tuple[Solid, Solid]) -> float:
-    shape = _shape(sound)
-    mass = sound.mass or shape.volume * solids[0].density
-    curvature = 1 / shape.contact_radius
-    if sound.struck_shape is not None:
-        other = sound.struck_shape.volume * solids[1].density
-        mass = mass * other / (mass + other)
-        curvature += 1 / sound.struck_shape.contact_radius
-    return contact_seconds(solids, 1 / curvature, mass, sound.speed)
+def _usual_shape(material: str, size: float) -> BodyShape:
+    return usual_shape(material, min(max(size, _SIZES[0]), _SIZES[1]))
 
 
 def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
-    shape, solid = _shape(sound), solid_of(sound.material)
+    shape = sound.shape or _usual_shape(sound.material, sound.size)
+    solid = solid_of(sound.material)
     # A body on soft ground cannot ring freely.
     damping = _AIR_DAMPING + _SUPPORT_DAMPING * solid_of(sound.surface).loss
     if sound.pitch:

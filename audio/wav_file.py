@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from audio.ambience import USUAL_LUFS, ambient_sound
 from audio.buses import bus_gain_db, ducked
-from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
+from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains, silence
 from audio.errors import ScoreError, SoundFileError
 from audio.layouts import STEREO, Layout
 from audio.mastering import FULL_SCALE, master_mix
@@ -176,7 +176,7 @@ def mix_notes(
         music: gain of the music, as a factor.
         heard: all notes of the score, to whose voices the music gives way; `notes` by default.
     """
-    mix = np.zeros((samples, len(layout.channels)))
+    mix = silence(samples, len(layout.channels))
     reverberator = Reverberator(room_acoustics(score.sound.room), samples, layout)
     occurrences = Counter[tuple[object, ...]]()
     for note in notes:

@@ -103,7 +103,7 @@ CHIRP = 0.28
 
 # Samples after which a noise repeats, and the level below its strongest frequency of what is left
 # out of it.
-_PERIOD, _INAUDIBLE = 2**22, 1e-4
+_PERIOD, _INAUDIBLE = 2**22, 1e-3
 
 
 def ambient_sound(
@@ -168,14 +168,15 @@ def _noise(
         slope: power of the frequency by which its amplitude falls.
     """
     size = min(next_fast_len(max(samples, 2), real=True), _PERIOD)
-    frequency = rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
-    shape = band_response(frequency, band) * np.maximum(frequency, band[0]) ** -slope
     # Single precision, random numbers for audible frequencies alone: they take most of the time.
+    frequency = rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float32)
+    shape = band_response(frequency, band) * np.maximum(frequency, np.float32(band[0])) ** -slope
     heard = int(np.flatnonzero(shape > _INAUDIBLE * shape.max())[-1]) + 1
     spectrum = np.zeros((2, frequency.size), np.complex64)
-    random = rng.standard_normal((2, heard, 2), np.float32).view(np.complex64)[:, :, 0]
+    # Even ones, drawn faster than normal ones: so many of them add up to normal samples.
+    random = (rng.random((2, heard, 2), np.float32) - 0.5).view(np.complex64)[:, :, 0]
     # As white noise of RMS 1 would be filtered.
-    spectrum[:, :heard] = random * (np.sqrt(size / 2) * shape[:heard]).astype(np.float32)
+    spectrum[:, :heard] = random * (np.sqrt(6 * size) * shape[:heard]).astype(np.float32)
     left, right = irfft(spectrum, size)
     # Part of it is the same on both sides: a place is around, not at two ears.
     noise = silence(samples)
@@ -268,20 +269,20 @@ def _rain(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     wash = _noise(samples, (900.0, 8500.0), rng, 0.35)
     wash /= np.sqrt(np.mean(wash**2))
     t = np.arange(round(0.004 * SAMPLE_RATE)) / SAMPLE_RATE
-    drops = np.zeros((samples + t.size, 2))
+    drops = silence(samples)
     for pitch in (1400.0, 2300.0, 3600.0, 5200.0):
         drop = np.cos(2.0 * np.pi * pitch * t) * np.exp(-t / 0.0008)
         drop -= drop.mean()
         for side in range(2):
             count = int(rng.poisson(55.0 * samples / SAMPLE_RATE))
             strength = np.minimum(rng.exponential(1.0, count), 2.5)
-            for start, level in zip(
-                rng.integers(0, samples, count).tolist(), strength, strict=True
-            ):
-                drops[start : start + t.size, side] += level * drop
-    drops = drops[:samples]
-    drops /= max(float(np.sqrt(np.mean(drops**2))), 1e-12)
-    return (wash + 0.8 * drops) * (gusts**0.4)[:, None]
+            places = rng.integers(0, samples, count)[:, None] + np.arange(t.size)
+            levels = np.outer(strength, drop)
+            drops[:, side] += np.bincount(places.ravel(), levels.ravel(), samples)[:samples]
+    drops *= 0.8 / max(float(np.sqrt(np.mean(drops**2))), 1e-12)
+    wash += drops
+    wash *= (gusts**0.4)[:, None]
+    return wash
 
 
 def _surf(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:

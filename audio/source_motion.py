@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,24 +26,40 @@ CONTROL_RATE = 1000
 _MAX_SPEED = 0.8 * SPEED_OF_SOUND
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class SpeedProfile:
-    """Speed of a sustained sound at each of its samples.
+    """Speed of a sustained sound.
 
     Attributes:
-        relative_speed: (N,) fraction of the greatest speed, 0 to 1.
-        doppler: (N,) frequency ratio at the listener; 1 for a source at constant distance.
+        samples: length in samples.
+        speed: (K,) fraction of the greatest speed at the control rate, 0 to 1.
+        pitch: (K,) frequency ratio at the listener at the control rate; None for a source at
+            constant distance.
         is_steady: whether the speed is constant or unknown.
     """
 
-    relative_speed: Signal
-    doppler: Signal
+    samples: int
+    speed: Signal
+    pitch: Signal | None
     is_steady: bool
 
-    @property
-    def samples(self) -> int:
-        """Length in samples."""
-        return self.relative_speed.size
+    @cached_property
+    def relative_speed(self) -> Signal:
+        """Fraction of the greatest speed at each sample: (N,)."""
+        return self.raised(1.0)
+
+    @cached_property
+    def doppler(self) -> Signal:
+        """Frequency ratio at the listener at each sample: (N,)."""
+        if self.pitch is None:
+            return np.ones(self.samples)
+        return upsampled(self.pitch, CONTROL_RATE, self.samples)
+
+    def raised(self, exponent: float) -> Signal:
+        """Return a power of the relative speed at each sample: (N,)."""
+        if self.is_steady:
+            return np.ones(self.samples)
+        return upsampled(self.speed**exponent, CONTROL_RATE, self.samples)
 
 
 def speed_profile(
@@ -59,19 +76,12 @@ def speed_profile(
     """
     top = max(speeds, default=0.0)
     is_steady = len(speeds) < 2 or top <= 0.0
-    relative = np.ones(samples) if is_steady else _interpolate(speeds, samples, duration) / top
-    doppler = np.ones(samples)
+    relative = np.ones(1) if is_steady else _course(speeds, samples, duration) / top
+    pitch = None
     if len(approach_speeds) > 1:
-        approach = np.clip(
-            _interpolate(approach_speeds, samples, duration), -_MAX_SPEED, _MAX_SPEED
-        )
-        doppler = 1 / (1 - approach / SPEED_OF_SOUND)
-    return SpeedProfile(relative, doppler, is_steady)
-
-
-def _interpolate(values: tuple[float, ...], samples: int, duration: float) -> Signal:
-    """Return values at even times, linearly interpolated at each sample: (samples,)."""
-    return upsampled(_course(values, samples, duration), CONTROL_RATE, samples)
+        approach = np.clip(_course(approach_speeds, samples, duration), -_MAX_SPEED, _MAX_SPEED)
+        pitch = 1 / (1 - approach / SPEED_OF_SOUND)
+    return SpeedProfile(samples, relative, pitch, is_steady)
 
 
 def _course(values: tuple[float, ...], samples: int, duration: float) -> Signal:

@@ -235,6 +235,8 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
 
 def _through_air(signal: Signal, distance: float) -> Signal:
     """Return a sound as it arrives over a distance [m], duller: (N,)."""
+    if distance <= _NEAR:
+        return signal
     # FFTs of prime lengths are slow, and the end must not come round to the onset.
     size = next_fast_len(signal.size + _AIR_RESPONSE, real=True)
     frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
@@ -365,7 +367,7 @@ def _friction(
     band = (low, min(high, _air_cutoff(sound.distance)))
     pace = profile.relative_speed * profile.doppler
     noise = resample(shared_noise(samples, band, rng), pace)
-    noise *= profile.relative_speed**SPEED_EXPONENT
+    noise *= profile.raised(SPEED_EXPONENT)
     if rolls:
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)
         noise *= 1 + _ROLL_MODULATION * np.sin(2 * np.pi * turns / SAMPLE_RATE)

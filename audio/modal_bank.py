@@ -44,6 +44,11 @@ class Modes:
     decay: Signal
 
     @cached_property
+    def lowest(self) -> float:
+        """Lowest frequency [Hz]."""
+        return float(self.frequency.min(initial=np.inf))
+
+    @cached_property
     def exponent(self) -> Phasors:
         """Logarithm of the factor of each mode from sample to sample: (M,)."""
         return np.asarray((-self.decay + 2j * np.pi * self.frequency) / SAMPLE_RATE)

@@ -128,9 +128,9 @@ def body_bank(
         rng: of the point of impact, the side that faces the listener, and signs.
     """
     body = _sounding_body(shape, solid, damping)
-    struck, facing = rng.uniform(0, 1, 2)
-    jitter = rng.uniform(-_IMPACT.spot_jitter, _IMPACT.spot_jitter)
-    sides = rng.integers(0, SIDES, 2)
+    struck, facing, *random = rng.random(5).tolist()
+    jitter = (2 * random[0] - 1) * _IMPACT.spot_jitter
+    sides = [int(SIDES * each) for each in random[1:]]
     if is_tuned:
         # A player strikes where the tone is.
         station, sides[1] = body.loudest

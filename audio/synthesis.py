@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import log2
 
 import numpy as np
@@ -29,7 +30,7 @@ from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
 from audio.motion import Motion
 from audio.notes import Note
 from audio.score import ScoreEvent
-from audio.seeded import seeded
+from audio.seeded import random_pair, seeded
 from audio.source_motion import SpeedProfile, speed_profile
 from audio.time_grid import SAMPLE_RATE
 
@@ -72,6 +73,10 @@ _PITCHES = (3.0, 6000.0)
 _SLOWEST = 0.02
 _MIN_ONSET = 2e-3
 _FADE = int(0.005 * SAMPLE_RATE)
+# Lowest mode from which on an impact has no rumble [Hz].
+_CLEAR = 120.0
+# Samples in which a scrape comes up.
+_RISE = 40
 
 SHORTEST_CONTACT = 1 / SAMPLE_RATE
 """Duration of a contact that sounds like any shorter one [s]."""
@@ -144,7 +149,7 @@ def sound_parameters(
         # Steps of like feet share their syntheses, wherever they strike and however hard.
         size = _quantized(float(np.clip(event.size, *_SIZES)), _STEP_SIZES)
         event = replace(event, size=size, spot=None, energy=0.0, shape=None, struck_shape=None)
-    rng = seeded(seed, *key, occurrence)
+    of_variant, of_level = random_pair(seed, *key, occurrence)
     speed, contact = min(max(abs(event.strength), _SLOWEST), 1e3), SHORTEST_CONTACT
     steps, variants = _SPEEDS, _VARIANTS
     if cause_voice(event.cause) is None and not event.duration:
@@ -165,7 +170,7 @@ def sound_parameters(
         pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
-        variant=int(rng.integers(variants)),
+        variant=int(variants * of_variant),
         spot=_spot(event),
         contact=contact,
         shape=event.shape,
@@ -174,7 +179,7 @@ def sound_parameters(
         speeds=event.speeds,
         approach_speeds=tuple(bearing.approach_speed for bearing in event.course),
     )
-    return parameters, float(rng.uniform(-_LEVEL_JITTER, _LEVEL_JITTER))
+    return parameters, (2 * of_level - 1) * _LEVEL_JITTER
 
 
 def _is_footstep(cause: str, is_tuned: bool, decay: float) -> bool:
@@ -215,6 +220,7 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
     size = f"{sound.size:.6g}"
     rng = seeded(seed, sound.cause, sound.material, sound.surface, size, sound.variant)
     voice = cause_voice(sound.cause)
+    is_clear = False
     if isinstance(voice, MotionVoice):
         signal = _motion(voice, sound, rng)
     elif voice is not None or sound.duration > 0:
@@ -224,8 +230,9 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
         parts = (sound.material, sound.surface, sound.size, sound.speed)
         signal = _through_air(footsteps.footstep(*parts, rng), sound.distance)
     else:
-        signal = _impact(sound, rng)
-    signal = without_rumble(signal)
+        signal, is_clear = _impact(sound, rng)
+    if not is_clear:
+        signal = without_rumble(signal)
     signal = _faded(signal, min(_FADE, signal.size))
     signal = normalized(signal)
     # The onset must be detectable on its sample.
@@ -265,7 +272,8 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     return voice.synthesize(motion, body, rng)
 
 
-def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
+def _impact(sound: SoundParameters, rng: np.random.Generator) -> tuple[Signal, bool]:
+    """Return the sound of an impact, (N,), and whether it is free of rumble."""
     own, ground = family_of(sound.material), family_of(sound.surface)
     banks = [_body_modes(sound, rng)]
     if sound.struck_shape is None:
@@ -273,19 +281,18 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
         young = solid_of(sound.material).young
         compliance = young / (young + solid_of(sound.surface).young)
         level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
+        banks.append(_ground_modes(ground, sound, rng))
         layers = [
             share * normalized(_struck([bank], sound))
-            for share, bank in (
-                (1 - level, banks[0]),
-                (level, _ground_modes(ground, sound, rng)),
-            )
+            for share, bank in zip((1 - level, level), banks, strict=True)
         ]
     else:
-        other = replace(
-            sound, material=sound.surface, surface=sound.material, shape=sound.struck_shape
-        )
-        banks.append(_body_modes(replace(other, spot=None, pitch=0.0), rng))
+        swapped = {"material": sound.surface, "surface": sound.material}
+        other = replace(sound, **swapped, shape=sound.struck_shape, spot=None, pitch=0.0)
+        banks.append(_body_modes(other, rng))
         layers = [normalized(_struck(banks, sound))]
+    # Modes have no sum, and what is far below them is not heard.
+    is_clear = all(bank.modes.lowest > _CLEAR for bank in banks)
     for family in (own, ground):
         if family.grain_level is not None:
             low, high = family.grain_band
@@ -293,7 +300,8 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
             decay = min(family.grain_decay * sound.speed**0.25, sound.decay or 1.0)
             grains = grain_noise(band, decay, family.grain_rate, rng)
             layers.append(10 ** (family.grain_level / 20) * normalized(grains))
-    return _mix_layers(layers)
+            is_clear = False
+    return _mix_layers(layers), is_clear
 
 
 def _struck(banks: list[ModalBank], sound: SoundParameters) -> Signal:
@@ -344,8 +352,13 @@ def _ring(banks: list[ModalBank], sound: SoundParameters, *force: Signal) -> Sig
 
 def _faded(signal: Signal, fade: int) -> Signal:
     """Return a signal whose last samples fall smoothly to nothing."""
-    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
+    signal[signal.size - fade :] *= _fall(fade)
     return signal
+
+
+@lru_cache(maxsize=16)
+def _fall(samples: int) -> Signal:
+    return np.asarray(np.cos(0.5 * np.pi * np.arange(samples) / samples) ** 2)
 
 
 def _air_cutoff(distance: float) -> float:
@@ -374,14 +387,20 @@ def _friction(
     bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
     body = _ring([bank], sound)
     # The slope of the profile excites the body: read slowly, it hardly does.
-    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])
-    signal = normalized(noise) + _FRICTION_RESONANCE * normalized(excited)
-    edge = np.arange(samples) + 1.0
-    return np.asarray(signal * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))
+    slope = np.diff(noise, prepend=0.0).astype(np.float32)
+    excited = convolve(slope, body[: 2 * _FADE].astype(np.float32))
+    signal = normalized(noise)
+    signal += _FRICTION_RESONANCE * normalized(excited)
+    rise, fall = signal[:_RISE], signal[-4 * _FADE :]
+    rise *= np.arange(1.0, rise.size + 1) / _RISE
+    fall *= np.arange(fall.size, 0.0, -1.0) / (4 * _FADE)
+    return signal
 
 
 def _mix_layers(layers: list[Signal]) -> Signal:
     """Return the sum of layers from their common onset on, where all have the same sign."""
+    if len(layers) == 1:
+        return layers[0]
     whole = np.zeros(max(layer.size for layer in layers))
     for layer in layers:
         # Opposite signs would hide the onset.

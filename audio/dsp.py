@@ -32,7 +32,7 @@ SINGLE_THREAD_SIZE = 2**17
 The bits must not depend on the number of threads, and small products are faster without them.
 """
 
-_MIN_FFT_SIZE = 1 << 14
+_MIN_FFT_SIZE = 1 << 12
 # Below 30 Hz loudspeakers move and nobody hears.
 _RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE)
 # Samples of a noise that is shared.
@@ -75,6 +75,29 @@ def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generat
     return np.resize(np.concatenate((noise[start:], noise[:start])), samples)
 
 
+def noise_at_rate(band: tuple[float, float], rate: Signal, rng: np.random.Generator) -> Signal:
+    """Return a noise that all sounds of a band share, read at a varying rate, RMS about 1: (N,).
+
+    Args:
+        band: lower and upper edge at a rate of 1 [Hz].
+        rate: (N,) of the reading; not negative.
+        rng: of the start.
+    """
+    # Twice as many samples as it has at a rate of 1: lines between them are smooth enough.
+    noise = _noise_of_band((band[0] / 2, band[1] / 2))
+    position = np.cumsum(rate)
+    position *= 2.0
+    position += rng.random() * noise.size
+    i = position.astype(np.int64)
+    share = position - i
+    here = noise.take(i, mode="wrap")
+    there = noise.take(i + 1, mode="wrap")
+    there -= here
+    there *= share
+    there += here
+    return there
+
+
 @lru_cache(maxsize=32)
 def _noise_of_band(band: tuple[float, float]) -> Signal:
     noise = band_noise(_SHARED_NOISE, band, seeded("noise", *band))
@@ -106,18 +129,19 @@ def grain_noise(
         rng: of grains and noise.
     """
     samples = max(int(decay * SAMPLE_RATE), 64)
-    t = np.arange(samples) / SAMPLE_RATE
-    fall = np.exp(-SILENCE_EXPONENT * t / decay)
+    crunch, fall = (_decay(samples, time) for time in (_CRUNCH_DECAY, decay / SILENCE_EXPONENT))
     noise = shared_noise(samples, band, rng)
-    envelope = np.exp(-t / _CRUNCH_DECAY)
-    if rate > 0:
-        envelope += fall * _bursts(samples, rate, rng)
-    else:
-        envelope += 0.6 * fall
+    envelope = crunch + fall * (_bursts(samples, rate, rng) if rate > 0 else 0.6)
     sound = noise * envelope
     # The onset must be audible at its sample, whatever the noise does there.
     sound[0] = np.copysign(max(abs(sound[0]), 0.3), sound[0])
     return without_offset(sound, envelope)
+
+
+@lru_cache(maxsize=32)
+def _decay(samples: int, seconds: float) -> Signal:
+    """Return a decay to 1/e in a time [s]: (samples,)."""
+    return np.asarray(np.exp(np.arange(samples) / (-seconds * SAMPLE_RATE)))
 
 
 def _bursts(samples: int, rate: float, rng: np.random.Generator) -> Signal:

@@ -17,9 +17,8 @@ from audio.dsp import (
     Signal,
     convolve,
     grain_noise,
+    noise_at_rate,
     normalized,
-    resample,
-    shared_noise,
     without_rumble,
 )
 from audio.harmony import frequency_of
@@ -379,7 +378,7 @@ def _friction(
     low, high = ground.grain_band
     band = (low, min(high, _air_cutoff(sound.distance)))
     pace = profile.relative_speed * profile.doppler
-    noise = resample(shared_noise(samples, band, rng), pace)
+    noise = noise_at_rate(band, pace, rng)
     noise *= profile.raised(SPEED_EXPONENT)
     if rolls:
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)

@@ -19,7 +19,7 @@ import numpy as np
 from audio.acoustic_materials import family_name, family_of, solid_of
 from audio.bubbles import bubble
 from audio.dsp import Signal, band_noise, convolve, normalized, shared_noise
-from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
+from audio.impact_contact import contact_seconds
 from audio.modal_bank import ring
 from audio.modal_synthesis import excited_modes
 from audio.time_grid import SAMPLE_RATE
@@ -268,8 +268,7 @@ def _struck(
         bank = excited_modes(
             family.shape, pitch, solid.loss, damping, family.tilt, rng.uniform(), rng
         )
-        heard = bank.scaled(contact_attenuation(bank.frequency, seconds))
-        rung = ring([heard], samples, force_pulse(seconds))
+        rung = ring([bank.struck(seconds)], samples, seconds)
         sound += level * normalized(rung)
     # Sole and floor meet at many points, not at one.
     highest = 2.0 ** (round(2.0 * np.log2(max(2.0 / seconds, 1800.0))) / 2.0)

@@ -37,7 +37,7 @@ def contact_seconds(solids: tuple[Solid, Solid], radius: float, mass: float, spe
 @lru_cache(maxsize=128)
 def force_pulse(seconds: float) -> Signal:
     """Return a half-sine force of unit impulse, its mean over each sample: (N,)."""
-    length = min(seconds, _MAX_CONTACT) * SAMPLE_RATE
+    length = max(min(seconds, _MAX_CONTACT) * SAMPLE_RATE, 1.0)
     edges = np.minimum(np.arange(int(np.ceil(length)) + 1) / length, 1.0)
     force = np.asarray(-0.5 * np.diff(np.cos(np.pi * edges)))
     force.setflags(write=False)

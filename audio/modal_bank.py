@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
+from audio.impact_contact import contact_attenuation, force_pulse
 from audio.time_grid import SAMPLE_RATE
 
 Phasors = NDArray[np.complex128]
@@ -27,8 +28,6 @@ _FIRST_STRETCH = 8
 _ROW = 16
 # What lies below this share of all modes at the impact is left out: -110 dB.
 _INAUDIBLE = 3e-6
-# A force of one sample.
-_TAP = np.ones(1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +76,25 @@ class Modes:
         parts = np.stack((self.powers.real, -self.powers.imag), axis=1)
         return np.ascontiguousarray(parts.reshape(-1, _BLOCK))
 
+    def excited(self, contact: float) -> tuple[Signal, Phasors, Phasors]:
+        """Return what a contact of a duration [s] makes of modes of amplitude 1.
+
+        Returns:
+            (M,) what is left of them of what is longer than the longest force; (M, K) their
+            samples under the force, as the real part; (M,) the impulse after it.
+        """
+        if contact not in self._excited:
+            force = force_pulse(contact)
+            powers = self.powers[:, : force.size]
+            under = np.stack([np.convolve(row, force)[: force.size] for row in powers])
+            left = contact_attenuation(self.frequency, contact)
+            self._excited[contact] = left, under, np.asarray((1 / powers) @ force)
+        return self._excited[contact]
+
+    @cached_property
+    def _excited(self) -> dict[float, tuple[Signal, Phasors, Phasors]]:
+        return {}
+
 
 @dataclass(frozen=True, slots=True)
 class ModalBank:
@@ -110,6 +128,10 @@ class ModalBank:
         """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
         decay = self.modes.decay * (self.seconds / seconds)
         return ModalBank(Modes(self.frequency, decay), self.amplitude)
+
+    def struck(self, contact: float) -> ModalBank:
+        """Return the bank weakened by all of a contact of a duration [s] but its force pulse."""
+        return self.scaled(self.modes.excited(contact)[0])
 
     def scaled(self, factor: Signal | float) -> ModalBank:
         """Return the bank with its amplitudes times a factor, (M,) or one for all."""
@@ -145,26 +167,27 @@ def _inaudible(banks: Sequence[ModalBank]) -> float:
     return whole * _INAUDIBLE / max(sum(bank.amplitude.size for bank in banks), 1)
 
 
-def ring(banks: Sequence[ModalBank], samples: int, force: Signal = _TAP) -> Signal:
+def ring(banks: Sequence[ModalBank], samples: int, contact: float = 0.0) -> Signal:
     """Return the sum of the modes of bodies that ring at once, from the impact on: (samples,).
 
-    A force of K samples excites each mode as one impulse of the factor Σ p_k z^{-k} does, once it
-    is over. A mode is left out as soon as it is inaudible.
+    A force p of K samples excites each mode as one impulse of the factor Σ p_k z^{-k} does, once
+    it is over. A mode is left out as soon as it is inaudible.
 
     Args:
         banks: of the bodies.
         samples: length of the ring.
-        force: (K,) of the contact, in shares of its impulse.
+        contact: its duration [s]; that of an impulse is 0.
     """
     # Whole blocks.
     whole = np.zeros(-(-samples // _BLOCK) * _BLOCK)
-    head = np.zeros(min(force.size, samples))
+    head = np.zeros(min(force_pulse(contact).size, samples))
     floor = _inaudible(banks)
     for bank in banks:
         if bank.amplitude.size and samples:
-            start, powers = bank.start, bank.modes.powers[:, : force.size]
-            head += np.convolve((start @ powers).real, force)[: head.size]
-            _add_blocks(whole, bank, start * ((1 / powers) @ force), floor)
+            start = bank.start
+            _, under, impulse = bank.modes.excited(contact)
+            head += (start @ under[:, : head.size]).real
+            _add_blocks(whole, bank, start * impulse, floor)
     whole[: head.size] = head
     return whole[:samples]
 

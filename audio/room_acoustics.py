@@ -156,7 +156,9 @@ class Reverberator:
         """Add all reflections and reverberation to a mix (N, C)."""
         if self._early is not None:
             for channel in range(mix.shape[1]):
-                mix[:, channel] += lfilter([1 - _WALL_POLE], [1, -_WALL_POLE], self._early[:, channel])
+                mix[:, channel] += lfilter(
+                    [1 - _WALL_POLE], [1, -_WALL_POLE], self._early[:, channel]
+                )
         if self._late is not None and self._late.any():
             # Around the listener, each from its own side and unlike the others.
             sides = [azimuth for pair in self._layout.bed for azimuth in pair]

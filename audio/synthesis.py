@@ -22,7 +22,7 @@ from audio.dsp import (
     without_rumble,
 )
 from audio.harmony import frequency_of
-from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
+from audio.impact_contact import contact_seconds
 from audio.loudness_at_listener import SPEED_EXPONENT
 from audio.modal_bank import ModalBank, audible_seconds, ring
 from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
@@ -305,12 +305,11 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> tuple[Signal, b
 
 def _struck(banks: list[ModalBank], sound: SoundParameters) -> Signal:
     """Return the ring of banks under the force of a contact."""
-    seconds = sound.contact
-    heard = [bank.scaled(contact_attenuation(bank.frequency, seconds)) for bank in banks]
+    heard = [bank.struck(sound.contact) for bank in banks]
     if len(heard) > 1:
         # Opposite signs would hide the onset.
         heard = [bank.scaled(np.copysign(1.0, bank.start.real.sum())) for bank in heard]
-    return _ring(heard, sound, force_pulse(seconds))
+    return _ring(heard, sound, sound.contact)
 
 
 def _usual_shape(material: str, size: float) -> BodyShape:
@@ -338,13 +337,13 @@ def _ground_modes(
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 
-def _ring(banks: list[ModalBank], sound: SoundParameters, *force: Signal) -> Signal:
-    """Return the sound (N,) of banks under a force (K,) or an impulse, as air carries it."""
+def _ring(banks: list[ModalBank], sound: SoundParameters, contact: float = 0.0) -> Signal:
+    """Return the sound (N,) of banks after a contact [s] or an impulse, as air carries it."""
     heard = [bank.scaled(_absorption(bank.frequency, sound.distance)) for bank in banks]
     longest = max(bank.seconds for bank in heard)
     seconds = min(longest, audible_seconds(heard), max(_MAX_RING, sound.decay))
     samples = max(int(seconds * SAMPLE_RATE), _FADE)
-    signal = ring(heard, samples, *force)
+    signal = ring(heard, samples, contact)
     # Other layers may last longer, and would not cover its end.
     return _faded(signal, min(_FADE, samples // 4))
 
@@ -374,7 +373,6 @@ def _friction(
     speed while the modes keep their frequencies.
     """
     ground = family_of(sound.surface)
-    samples = profile.samples
     low, high = ground.grain_band
     band = (low, min(high, _air_cutoff(sound.distance)))
     pace = profile.relative_speed * profile.doppler

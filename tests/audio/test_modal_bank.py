@@ -29,7 +29,7 @@ def test_a_force_is_convolved_with_the_ring(seconds):
     for seed, samples in enumerate((1, 30, 44, 1000, 20_000)):
         bank, force = random_bank(seed), force_pulse(seconds)
         expected = np.convolve(plain_ring(bank, samples), force)[:samples]
-        rung = ring([bank], samples, force)
+        rung = ring([bank], samples, seconds)
         assert rung.shape == (samples,)
         # What is not heard any more is left out: 90 dB below the peak.
         assert np.abs(rung - expected).max() < 3e-5 * np.abs(plain_ring(bank, samples)).max()

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import log2
 
 import numpy as np
 from scipy.fft import next_fast_len
 
 from audio import footsteps
-from audio.acoustic_materials import MaterialFamily, family_of, solid_of, usual_shape
+from audio.acoustic_materials import FAMILIES, family_name, family_of, solid_of, usual_shape
 from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import (
     Signal,
     convolve,
-    grain_noise,
     noise_at_rate,
     normalized,
     without_rumble,
@@ -24,13 +22,25 @@ from audio.dsp import (
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_seconds
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_bank import ModalBank, audible_seconds, ring
-from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
+from audio.modal_bank import ModalBank
 from audio.motion import Motion
 from audio.notes import Note
 from audio.score import ScoreEvent
 from audio.seeded import random_pair, seeded
+from audio.sound_cache import SoundCache
 from audio.source_motion import SpeedProfile, speed_profile
+from audio.struck_body import (
+    BLOWS,
+    FADE,
+    GRAINS,
+    Blow,
+    Grains,
+    absorption,
+    air_cutoff,
+    body_modes,
+    faded,
+    ring_in_air,
+)
 from audio.time_grid import SAMPLE_RATE
 
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
@@ -38,8 +48,8 @@ from audio.time_grid import SAMPLE_RATE
 _VARIANTS = 16
 # Variants of two bodies that meet, because points and durations of their contacts differ anyway.
 _CLASH_VARIANTS = 8
-# Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on grains;
-# of the length of the leg of a footstep, and of the duration of a contact.
+# Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on
+# grains; of the length of the leg of a footstep, and of the duration of a contact.
 _SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 4
 # Distance below which air takes nothing that is heard: 0.6 dB at 10 kHz [m].
 _NEAR = 4.0
@@ -47,23 +57,14 @@ _NEAR = 4.0
 _LEVEL_JITTER = 0.8
 # Steps of the point of impact along a body.
 _SPOTS = 16
-# Attenuation in air [dB per m and Hz²], a square law through 0.16 dB/m at 10 kHz.
-# Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
-_AIR_ABSORPTION = 1.6e-9
 # Length of what air makes of an impulse [samples].
 _AIR_RESPONSE = 256
-# Longest ring without a configured decay [s].
-_MAX_RING = 6.0
 # Longest ring of a limb while its joint rubs, and of a body that rubs [s].
 _JOINT_RING, _FRICTION_RING = 0.04, 0.03
 # Modulation of the rolling noise by the heavier side.
 _ROLL_MODULATION = 0.25
 # Level of the excited modes of a rubbing body relative to the friction noise.
 _FRICTION_RESONANCE = 0.5
-# Damping by air and by what a body lies on, per loss factor of the latter [1/s].
-_AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
-# The ground is large: wherever it is struck it sounds the same, in most of its modes.
-_GROUND_SPOT = 0.35
 # Sizes that a body of unknown shape may have [m].
 _SIZES = (1e-3, 100.0)
 # Pitches of a motion [Hz]: from the beats of a large wing on.
@@ -71,9 +72,6 @@ _PITCHES = (3.0, 6000.0)
 # Least speed of an impact [m/s].
 _SLOWEST = 0.02
 _MIN_ONSET = 2e-3
-_FADE = int(0.005 * SAMPLE_RATE)
-# Lowest mode from which on an impact has no rumble [Hz].
-_CLEAR = 120.0
 # Samples in which a scrape comes up.
 _RISE = 40
 
@@ -219,7 +217,6 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
     size = f"{sound.size:.6g}"
     rng = seeded(seed, sound.cause, sound.material, sound.surface, size, sound.variant)
     voice = cause_voice(sound.cause)
-    is_clear = False
     if isinstance(voice, MotionVoice):
         signal = _motion(voice, sound, rng)
     elif voice is not None or sound.duration > 0:
@@ -229,11 +226,13 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
         parts = (sound.material, sound.surface, sound.size, sound.speed)
         signal = _through_air(footsteps.footstep(*parts, rng), sound.distance)
     else:
-        signal, is_clear = _impact(sound, rng)
-    if not is_clear:
-        signal = without_rumble(signal)
-    signal = _faded(signal, min(_FADE, signal.size))
-    signal = normalized(signal)
+        return _finished(_impact(sound, seed))
+    return _finished(without_rumble(signal))
+
+
+def _finished(signal: Signal) -> Signal:
+    """Return a sound of peak 1 with an end and an onset: (N,)."""
+    signal = normalized(faded(signal, min(FADE, signal.size)))
     # The onset must be detectable on its sample.
     signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
     return signal
@@ -246,13 +245,8 @@ def _through_air(signal: Signal, distance: float) -> Signal:
     # FFTs of prime lengths are slow, and the end must not come round to the onset.
     size = next_fast_len(signal.size + _AIR_RESPONSE, real=True)
     frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
-    spectrum = np.fft.rfft(signal, size) * _absorption(frequency, distance)
+    spectrum = np.fft.rfft(signal, size) * absorption(frequency, distance)
     return np.asarray(np.fft.irfft(spectrum, size)[: signal.size])
-
-
-def _absorption(frequency: Signal, distance: float) -> Signal:
-    """Return what air leaves of frequencies [Hz] over a distance [m], as a factor."""
-    return np.asarray(10 ** (-_AIR_ABSORPTION * frequency**2 * distance / 20))
 
 
 def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:
@@ -265,103 +259,44 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     pitch = sound.pitch or voice.pitch_of(sound.size)
     body = np.ones(1)
     if voice.resonates:
-        bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
-        body = _ring([bank.with_decay_time(_JOINT_RING)], sound)
+        bank = _own_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
+        body = ring_in_air(bank.with_decay_time(_JOINT_RING), sound.distance)
     motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, *_PITCHES)), sound.speed)
     return voice.synthesize(motion, body, rng)
 
 
-def _impact(sound: SoundParameters, rng: np.random.Generator) -> tuple[Signal, bool]:
-    """Return the sound of an impact, (N,), and whether it is free of rumble."""
-    own, ground = family_of(sound.material), family_of(sound.surface)
-    banks = [_body_modes(sound, rng)]
+def _impact(sound: SoundParameters, seed: int) -> Signal:
+    """Return the sound of an impact, without rumble: (N,)."""
+    shared = sound.contact, sound.distance, sound.variant
+    body = sound.material, sound.surface, _shape(sound)
+    struck = sound.surface, sound.material, sound.struck_shape
+    blows = (
+        Blow(*body, *shared, spot=sound.spot, pitch=sound.pitch, decay=sound.decay),
+        Blow(*struck, *shared, decay=sound.decay),
+    )
+    layers = [BLOWS.sound(blow, seed) for blow in blows]
     if sound.struck_shape is None:
         # The ground yields the more, the softer it is.
         young = solid_of(sound.material).young
         compliance = young / (young + solid_of(sound.surface).young)
         level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
-        banks.append(_ground_modes(ground, sound, rng))
-        layers = [
-            share * normalized(_struck([bank], sound))
-            for share, bank in zip((1 - level, level), banks, strict=True)
-        ]
+        layers = [(1 - level) * normalized(layers[0]), level * normalized(layers[1])]
     else:
-        swapped = {"material": sound.surface, "surface": sound.material}
-        other = replace(sound, **swapped, shape=sound.struck_shape, spot=None, pitch=0.0)
-        banks.append(_body_modes(other, rng))
-        layers = [normalized(_struck(banks, sound))]
-    # Modes have no sum, and what is far below them is not heard.
-    is_clear = all(bank.modes.lowest > _CLEAR for bank in banks)
-    for family in (own, ground):
-        if family.grain_level is not None:
-            low, high = family.grain_band
-            band = (low, min(high, _air_cutoff(sound.distance)))
-            decay = min(family.grain_decay * sound.speed**0.25, sound.decay or 1.0)
-            grains = grain_noise(band, decay, family.grain_rate, rng)
-            layers.append(10 ** (family.grain_level / 20) * normalized(grains))
-            is_clear = False
-    return _mix_layers(layers), is_clear
+        layers = [normalized(_sum(layers))]
+    for name in (family_name(sound.material), family_name(sound.surface)):
+        level_db = FAMILIES[name].grain_level
+        if level_db is not None:
+            grains = Grains(name, sound.speed, sound.distance, sound.variant, sound.decay)
+            layers.append(10 ** (level_db / 20) * normalized(GRAINS.sound(grains, seed)))
+    return _sum(layers)
 
 
-def _struck(banks: list[ModalBank], sound: SoundParameters) -> Signal:
-    """Return the ring of banks under the force of a contact."""
-    heard = [bank.struck(sound.contact) for bank in banks]
-    if len(heard) > 1:
-        # Opposite signs would hide the onset.
-        heard = [bank.scaled(np.copysign(1.0, bank.start.real.sum())) for bank in heard]
-    return _ring(heard, sound, sound.contact)
+def _shape(sound: SoundParameters) -> BodyShape:
+    return sound.shape or _usual_shape(sound.material, sound.size)
 
 
 def _usual_shape(material: str, size: float) -> BodyShape:
     return usual_shape(material, min(max(size, _SIZES[0]), _SIZES[1]))
-
-
-def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
-    shape = sound.shape or _usual_shape(sound.material, sound.size)
-    solid = solid_of(sound.material)
-    # A body on soft ground cannot ring freely.
-    damping = _AIR_DAMPING + _SUPPORT_DAMPING * solid_of(sound.surface).loss
-    if sound.pitch:
-        # A body of this pitch is as much larger or smaller.
-        shape = shape.scaled(lowest_frequency(shape, solid) / sound.pitch)
-    bank = body_bank(shape, solid, damping, sound.spot, sound.pitch > 0, rng)
-    return bank.with_decay_time(sound.decay) if sound.decay else bank
-
-
-def _ground_modes(
-    ground: MaterialFamily, sound: SoundParameters, rng: np.random.Generator
-) -> ModalBank:
-    pitch = ground.ground * rng.uniform(0.94, 1.06)
-    damping, loss = ground.damping + 8, solid_of(sound.surface).loss
-    bank = excited_modes(ground.shape, pitch, loss, damping, ground.tilt, _GROUND_SPOT, rng)
-    return bank.with_decay_time(sound.decay) if sound.decay else bank
-
-
-def _ring(banks: list[ModalBank], sound: SoundParameters, contact: float = 0.0) -> Signal:
-    """Return the sound (N,) of banks after a contact [s] or an impulse, as air carries it."""
-    heard = [bank.scaled(_absorption(bank.frequency, sound.distance)) for bank in banks]
-    longest = max(bank.seconds for bank in heard)
-    seconds = min(longest, audible_seconds(heard), max(_MAX_RING, sound.decay))
-    samples = max(int(seconds * SAMPLE_RATE), _FADE)
-    signal = ring(heard, samples, contact)
-    # Other layers may last longer, and would not cover its end.
-    return _faded(signal, min(_FADE, samples // 4))
-
-
-def _faded(signal: Signal, fade: int) -> Signal:
-    """Return a signal whose last samples fall smoothly to nothing."""
-    signal[signal.size - fade :] *= _fall(fade)
-    return signal
-
-
-@lru_cache(maxsize=16)
-def _fall(samples: int) -> Signal:
-    return np.asarray(np.cos(0.5 * np.pi * np.arange(samples) / samples) ** 2)
-
-
-def _air_cutoff(distance: float) -> float:
-    """Return the frequency that air attenuates by 6 dB [Hz]."""
-    return float(np.sqrt(6 / (_AIR_ABSORPTION * distance)))
 
 
 def _friction(
@@ -374,32 +309,40 @@ def _friction(
     """
     ground = family_of(sound.surface)
     low, high = ground.grain_band
-    band = (low, min(high, _air_cutoff(sound.distance)))
+    band = (low, min(high, air_cutoff(sound.distance)))
     pace = profile.relative_speed * profile.doppler
     noise = noise_at_rate(band, pace, rng)
     noise *= profile.raised(SPEED_EXPONENT)
     if rolls:
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)
         noise *= 1 + _ROLL_MODULATION * np.sin(2 * np.pi * turns / SAMPLE_RATE)
-    bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
-    body = _ring([bank], sound)
+    bank = _own_modes(sound, rng).with_decay_time(_FRICTION_RING)
+    body = ring_in_air(bank, sound.distance)
     # The slope of the profile excites the body: read slowly, it hardly does.
     slope = np.diff(noise, prepend=0.0).astype(np.float32)
-    excited = convolve(slope, body[: 2 * _FADE].astype(np.float32))
+    excited = convolve(slope, body[: 2 * FADE].astype(np.float32))
     signal = normalized(noise)
     signal += _FRICTION_RESONANCE * normalized(excited)
-    rise, fall = signal[:_RISE], signal[-4 * _FADE :]
+    rise, fall = signal[:_RISE], signal[-4 * FADE :]
     rise *= np.arange(1.0, rise.size + 1) / _RISE
-    fall *= np.arange(fall.size, 0.0, -1.0) / (4 * _FADE)
+    fall *= np.arange(fall.size, 0.0, -1.0) / (4 * FADE)
     return signal
 
 
-def _mix_layers(layers: list[Signal]) -> Signal:
-    """Return the sum of layers from their common onset on, where all have the same sign."""
-    if len(layers) == 1:
-        return layers[0]
+def _own_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
+    """Return the modes of a body that rubs on another."""
+    body = sound.material, sound.surface, _shape(sound)
+    when = sound.contact, sound.distance, sound.variant
+    return body_modes(Blow(*body, *when, sound.spot, sound.pitch, sound.decay), rng)
+
+
+def _sum(layers: list[Signal]) -> Signal:
+    """Return the sum of layers from their common onset on."""
     whole = np.zeros(max(layer.size for layer in layers))
     for layer in layers:
-        # Opposite signs would hide the onset.
-        whole[: layer.size] += layer if layer[0] >= 0 else -layer
+        whole[: layer.size] += layer
     return whole
+
+
+SOUNDS = SoundCache(synthesize, 2**23)
+"""The sounds of this process, 64 MiB of them: a track and its stems share them."""

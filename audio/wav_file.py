@@ -22,11 +22,10 @@ from audio.music_mix import mix_music, music_gain
 from audio.notes import Note, notes_of
 from audio.room_acoustics import Reverberator, room_acoustics
 from audio.score import Score
-from audio.sound_cache import SOUNDS
 from audio.sound_files import write_sound_file
 from audio.soundfont import play_soundfont
 from audio.source_motion import moving_gains, surrounding_gains
-from audio.synthesis import sound_parameters
+from audio.synthesis import SOUNDS, sound_parameters
 from audio.time_grid import SAMPLE_RATE, sample_at, sample_of_frame
 
 _CHANNELS, _SAMPLE_BYTES = 2, 3

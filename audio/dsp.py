@@ -51,8 +51,9 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
     """
     # A power of two, since FFTs of prime lengths are slow.
     size = 1 << max(int(samples - 1).bit_length(), 6)
-    spectrum = np.fft.rfft(rng.standard_normal(size))
     f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
+    # Even numbers, drawn faster than normal ones, add up to normal samples.
+    spectrum = (rng.random((f.size, 2)) - 0.5).view(np.complex128)[:, 0]
     noise = np.fft.irfft(spectrum * band_response(f, band), size)[:samples]
     return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
 
@@ -68,7 +69,7 @@ def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generat
         band: lower and upper edge [Hz].
         rng: of the start.
     """
-    noise = _noise_of_band(band)
+    noise = _noise_of_band(band, _SHARED_NOISE)
     start = int(rng.integers(noise.size))
     if start + samples <= noise.size:
         return noise[start : start + samples]
@@ -84,7 +85,7 @@ def noise_at_rate(band: tuple[float, float], rate: Signal, rng: np.random.Genera
         rng: of the start.
     """
     # Twice as many samples as it has at a rate of 1: lines between them are smooth enough.
-    noise = _noise_of_band((band[0] / 2, band[1] / 2))
+    noise = _noise_of_band((band[0] / 2, band[1] / 2), 2 * _SHARED_NOISE)
     position = np.cumsum(rate)
     position *= 2.0
     position += rng.random() * noise.size
@@ -99,8 +100,8 @@ def noise_at_rate(band: tuple[float, float], rate: Signal, rng: np.random.Genera
 
 
 @lru_cache(maxsize=32)
-def _noise_of_band(band: tuple[float, float]) -> Signal:
-    noise = band_noise(_SHARED_NOISE, band, seeded("noise", *band))
+def _noise_of_band(band: tuple[float, float], samples: int) -> Signal:
+    noise = band_noise(samples, band, seeded("noise", *band))
     noise.setflags(write=False)
     return noise
 

@@ -104,7 +104,7 @@ def _scattered(grains: Grains, seed: int) -> Signal:
     return noise if noise[0] >= 0 else -noise
 
 
-BLOWS, GRAINS = SoundCache(_struck, 2**21), SoundCache(_scattered, 2**20)
+BLOWS, GRAINS = SoundCache(_struck, 2**22), SoundCache(_scattered, 2**20)
 """Sides of impacts in this process."""
 
 

@@ -46,8 +46,9 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Variants of two bodies that meet, because points and durations of their contacts differ anyway.
-_CLASH_VARIANTS = 8
+# Variants of two bodies that meet, because points and durations of their contacts differ anyway;
+# of what is struck and of grains, because they sound beside the body.
+_CLASH_VARIANTS, _OTHER_VARIANTS = 8, 4
 # Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on
 # grains; of the length of the leg of a footstep, and of the duration of a contact.
 _SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 4
@@ -267,12 +268,12 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
 
 def _impact(sound: SoundParameters, seed: int) -> Signal:
     """Return the sound of an impact, without rumble: (N,)."""
-    shared = sound.contact, sound.distance, sound.variant
-    body = sound.material, sound.surface, _shape(sound)
-    struck = sound.surface, sound.material, sound.struck_shape
+    body = sound.material, sound.surface, _shape(sound), sound.contact, sound.distance
+    struck = sound.surface, sound.material, sound.struck_shape, sound.contact, sound.distance
+    few = sound.variant % _OTHER_VARIANTS
     blows = (
-        Blow(*body, *shared, spot=sound.spot, pitch=sound.pitch, decay=sound.decay),
-        Blow(*struck, *shared, decay=sound.decay),
+        Blow(*body, sound.variant, spot=sound.spot, pitch=sound.pitch, decay=sound.decay),
+        Blow(*struck, few, decay=sound.decay),
     )
     layers = [BLOWS.sound(blow, seed) for blow in blows]
     if sound.struck_shape is None:
@@ -286,7 +287,7 @@ def _impact(sound: SoundParameters, seed: int) -> Signal:
     for name in (family_name(sound.material), family_name(sound.surface)):
         level_db = FAMILIES[name].grain_level
         if level_db is not None:
-            grains = Grains(name, sound.speed, sound.distance, sound.variant, sound.decay)
+            grains = Grains(name, sound.speed, sound.distance, few, sound.decay)
             layers.append(10 ** (level_db / 20) * normalized(GRAINS.sound(grains, seed)))
     return _sum(layers)
 

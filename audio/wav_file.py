@@ -178,10 +178,11 @@ def mix_notes(
     mix = silence(samples, len(layout.channels))
     reverberator = Reverberator(room_acoustics(score.sound.room), samples, layout)
     occurrences = Counter[tuple[object, ...]]()
+    end = float(score.frames / score.rate)
     for note in notes:
         if note.is_music:
             continue
-        remaining = float(score.frames / score.rate - note.onset)
+        remaining = end - float(note.onset)
         occurrence = occurrences[note.event.key]
         occurrences[note.event.key] += 1
         parameters, jitter_db = sound_parameters(note, score.seed, occurrence, remaining)

@@ -19,8 +19,6 @@ from audio.time_grid import SAMPLE_RATE
 
 Signal = NDArray[np.float64]
 
-Tones = Signal | NDArray[np.float32]
-
 Gain = float | Signal
 
 SILENCE_EXPONENT = float(np.log(1000.0))
@@ -166,14 +164,14 @@ def normalized(sound: Signal) -> Signal:
     return sound / peak if peak > 0 else sound
 
 
-def convolve(sound: Tones, response: Tones) -> Signal:
+def convolve(sound: Signal, response: Signal) -> Signal:
     """Return a sound convolved with impulse responses, as long as the sound: (..., N).
 
     Overlap-add; blocks of silence are skipped and stay exactly silent.
 
     Args:
         sound: (N,).
-        response: (..., K), of the same precision, which is that of the sum.
+        response: (..., K).
     """
     taps = response.shape[-1]
     size = max(_MIN_FFT_SIZE, 1 << (4 * taps - 1).bit_length())

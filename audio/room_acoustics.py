@@ -14,7 +14,6 @@ from functools import lru_cache
 from math import atan2, hypot, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from audio.config.sound import Room, RoomName
@@ -163,8 +162,7 @@ class Reverberator:
             # Around the listener, each from its own side and unlike the others.
             sides = [azimuth for pair in self._layout.bed for azimuth in pair]
             responses = [reverb_response(self.room.seconds, number) for number in range(len(sides))]
-            # Far below the direct sound: single precision is enough.
-            tails = convolve(self._late.astype(np.float32), np.stack(responses))
+            tails = convolve(self._late, np.stack(responses))
             for tail, azimuth in zip(tails, sides, strict=True):
                 for channel, gain in enumerate(self._layout.gains(azimuth)):
                     if gain:
@@ -172,7 +170,7 @@ class Reverberator:
 
 
 @lru_cache(maxsize=16)
-def reverb_response(seconds: float, side: int) -> NDArray[np.float32]:
+def reverb_response(seconds: float, side: int) -> Signal:
     """Return the impulse response of late reverberation, of energy 1: (K,).
 
     Args:
@@ -191,5 +189,4 @@ def reverb_response(seconds: float, side: int) -> NDArray[np.float32]:
         tail += band * np.exp(-SILENCE_EXPONENT * t / (share * seconds))
     tail *= np.minimum(1, t / _REVERB_ATTACK)
     tail[-delay:] *= np.linspace(1, 0, delay)
-    whole = np.concatenate((np.zeros(delay), tail / np.sqrt(np.sum(tail**2))))
-    return whole.astype(np.float32)
+    return np.concatenate((np.zeros(delay), tail / np.sqrt(np.sum(tail**2))))

@@ -320,8 +320,7 @@ def _friction(
     bank = _own_modes(sound, rng).with_decay_time(_FRICTION_RING)
     body = ring_in_air(bank, sound.distance)
     # The slope of the profile excites the body: read slowly, it hardly does.
-    slope = np.diff(noise, prepend=0.0).astype(np.float32)
-    excited = convolve(slope, body[: 2 * FADE].astype(np.float32))
+    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * FADE])
     signal = normalized(noise)
     signal += _FRICTION_RESONANCE * normalized(excited)
     rise, fall = signal[:_RISE], signal[-4 * FADE :]

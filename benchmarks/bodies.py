@@ -69,7 +69,7 @@ def ground_for(kind: str, count: int) -> Ground:
 def start(ground: Ground, count: int) -> tuple[Array, Array]:
     """Return places (n, 3) and attitudes (n, 4) of bodies in a square above the ground."""
     chance, side = np.random.default_rng(1), int(np.ceil(np.sqrt(count)))
-    i = np.arange(count)
+    i = np.arange(count, dtype=float)
     x, z = (i % side - 0.5 * (side - 1)) * SPACING, (i // side - 0.5 * (side - 1)) * SPACING
     y = ground.height(x, z) + chance.uniform(0.4, 1.2, count)
     q = chance.normal(size=(count, 4))

@@ -14,7 +14,8 @@ import numpy as np
 
 from pipeline.simulation.bodies.body_model import build_body
 from pipeline.simulation.dynamics.impact_law import MEASURED_BOUNCINESS
-from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
+from pipeline.simulation.dynamics.mujoco_bodies import Collider
+from pipeline.simulation.dynamics.mujoco_world import MujocoWorld
 from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.body import Box, Sphere

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -58,10 +58,11 @@ def milliseconds(surface: Any) -> float:
     dr.eval(si)
     wo = si.to_local(dr.normalize(mi.Vector3f(0.4, 0.8, 0.2)))
     dr.eval(wo)
-    ctx, count = mi.BSDFContext(), SIZE[0] * SIZE[1]
+    ctx, generator = mi.BSDFContext(), cast(Any, mi.PCG32)
+    count = SIZE[0] * SIZE[1]
 
     def once(seed: Any) -> Any:
-        rng = mi.PCG32(size=count, initstate=dr.arange(mi.UInt32, count) + seed)
+        rng = generator(size=count, initstate=dr.arange(mi.UInt32, count) + seed)
         u = mi.Point2f(rng.next_float32(), rng.next_float32())
         value, pdf, found, weight = si.bsdf().eval_pdf_sample(
             ctx, si, wo, rng.next_float32(), u, si.is_valid()

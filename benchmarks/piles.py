@@ -28,7 +28,8 @@ import numpy as np
 
 from pipeline.simulation.bodies.body_model import build_body
 from pipeline.simulation.dynamics.impact_law import STIFFNESS
-from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
+from pipeline.simulation.dynamics.mujoco_bodies import Collider
+from pipeline.simulation.dynamics.mujoco_world import MujocoWorld
 from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField

@@ -44,7 +44,7 @@ def seconds(posture: FigurePosture, count: int) -> tuple[float, float]:
     tree = JointTree.of(figure.skeleton)
     posed = plain = 0.0
     for first in range(0, count, BLOCK):
-        times = np.arange(first, min(first + BLOCK, count)) * ROW
+        times = np.arange(first, min(first + BLOCK, count), dtype=float) * ROW
         n = len(times)
         R, p = np.broadcast_to(np.eye(3), (n, 3, 3)), np.zeros((n, 3))
         frames = FigureFrames(times, ROW, R, p + np.array([0.0, 1.0, 0.0]), R, p)

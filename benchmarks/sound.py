@@ -22,6 +22,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 # One core: numpy reads these when it is imported.
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -51,7 +52,7 @@ SPEEDS = tuple(3.0 - abs(4 - i) / 2 for i in range(9))
 def score_of(cause: str, material: str, surface: str, lasting: bool) -> Score:
     """Return a film of many sounds of one kind, all of sizes of their own."""
     frames = 24 * SECONDS
-    words = {"duration": 0.5, "speeds": SPEEDS, "course": COURSE} if lasting else {}
+    words: dict[str, Any] = {"duration": 0.5, "speeds": SPEEDS, "course": COURSE} if lasting else {}
     events = [
         ScoreEvent(
             *(1 + i * (frames - 1) // COUNT, Fraction(0), cause, "one", f"part_{i}", "other"),
@@ -92,8 +93,15 @@ def dense_tracks(folder: Path) -> None:
         frames = 24 * SECONDS
         events = [
             ScoreEvent(
-                *(1 + i * (frames - 1) // (rate * SECONDS), Fraction(0), "collision", "one"),
-                *(f"part_{i}", "other", "oak", "oak", 0.2 * 1.07 ** (i % 50)),
+                1 + i * (frames - 1) // (rate * SECONDS),
+                Fraction(0),
+                "collision",
+                "one",
+                f"part_{i}",
+                "other",
+                "oak",
+                "oak",
+                0.2 * 1.07 ** (i % 50),
                 size=0.3,
                 spot=(i % 97) / 97,
                 shape=BRICK,

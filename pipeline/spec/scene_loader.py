@@ -23,7 +23,7 @@ from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.overrides import override
 from pipeline.spec.renamed_keys import rename_keys
 from pipeline.spec.scene import VERSION, Scene
-from pipeline.spec.scene_library import SEQUENCE, find_figure
+from pipeline.spec.scene_library import FIGURE, SEQUENCE, find_figure
 from pipeline.spec.suggestions import hint
 from pipeline.spec.timing import faults_of_timing
 from pipeline.spec.validation import MISSING, check, in_order, problems_of_faults, with_meant_keys
@@ -192,6 +192,9 @@ def _scene(
     if SEQUENCE in tree.entries:
         message = "is a sequence of scenes; pronk render, check and verify take it, or one scene"
         raise SceneError([tree.entries[SEQUENCE].key.problem((SEQUENCE,), message)])
+    if FIGURE in tree.entries and "cast" not in tree.entries:
+        message = "is a figure, not a scene; pronk figure reports on it, pronk studio draws it"
+        raise SceneError([tree.entries[FIGURE].key.problem((FIGURE,), message)])
     tree, warnings, renamed_twice = rename_keys(tree)
     tree, wrong_overrides = override(tree, overrides)
     tree, more_warnings, _ = rename_keys(tree)

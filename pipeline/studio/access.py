@@ -9,7 +9,9 @@ Source: Jackson et al. 2007.
 
 from __future__ import annotations
 
+import base64
 import contextlib
+import hashlib
 import hmac
 import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
@@ -28,20 +30,44 @@ TOO_LONG = 413
 
 TOKEN_HEADER = b"x-studio-token"
 
-HEADERS = (
-    (b"cache-control", b"no-store"),
-    (b"referrer-policy", b"no-referrer"),
-    (b"x-content-type-options", b"nosniff"),
-    (b"x-frame-options", b"DENY"),
-    (b"cross-origin-resource-policy", b"same-origin"),
-    (
-        b"content-security-policy",
-        b"default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-        b"img-src 'self' blob: data:; connect-src 'self' blob:; media-src blob:; "
-        b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    ),
+NO_TOKEN = "no token; open the address that `pronk studio` printed"
+
+RELOAD = (
+    b"const token = sessionStorage.studioToken;"
+    b'if (token) location.replace("/?again&token=" + encodeURIComponent(token));'
 )
-"""Of every answer: nothing is kept, nothing comes from elsewhere, and nobody frames it."""
+"""Script of the refusal at the address without a token: a tab that had the page loads it again.
+
+The page takes the token out of its address, and keeps it where this tab and this port alone read.
+"""
+
+
+def _headers(scripts: bytes) -> tuple[tuple[bytes, bytes], ...]:
+    """Return headers of an answer: nothing is kept or comes from elsewhere, and nobody frames it.
+
+    Args:
+        scripts: that may run.
+    """
+    return (
+        (b"cache-control", b"no-store"),
+        (b"referrer-policy", b"no-referrer"),
+        (b"x-content-type-options", b"nosniff"),
+        (b"x-frame-options", b"DENY"),
+        (b"cross-origin-resource-policy", b"same-origin"),
+        (
+            b"content-security-policy",
+            b"default-src 'none'; script-src " + scripts + b"; style-src 'self' 'unsafe-inline'; "
+            b"img-src 'self' blob: data:; connect-src 'self' blob:; media-src blob:; "
+            b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+        ),
+    )
+
+
+HEADERS = _headers(b"'self'")
+"""Of every answer of the application."""
+
+RELOAD_HEADERS = _headers(b"'sha256-%s'" % base64.b64encode(hashlib.sha256(RELOAD).digest()))
+"""Of the refusal with the script that loads the page again."""
 
 Message = MutableMapping[str, Any]
 Scope = MutableMapping[str, Any]
@@ -85,7 +111,8 @@ class Guard:
             if status != TOO_LONG:
                 # A connection that is closed before all is read loses the answer.
                 await _drain(receive)
-            await _refuse(send, status, reason)
+            is_reload = reason == NO_TOKEN and scope["path"] == "/" and not scope["query_string"]
+            await _refuse(send, status, reason, is_reload)
             return
         await self._pass_on(scope, receive, send)
 
@@ -102,7 +129,7 @@ class Guard:
         if any(origin not in {b"http://" + name for name in names} for origin in origins):
             return 403, "another origin"
         if not self._is_token(scope, headers.get(TOKEN_HEADER, [])):
-            return 403, "no token; open the address that `pronk studio` printed"
+            return 403, NO_TOKEN
         length = headers.get(b"content-length", [b"0"])[0]
         if not length.isdigit() or int(length) > MAX_MESSAGE_BYTES:
             return TOO_LONG, f"longer than {MAX_MESSAGE_BYTES} bytes"
@@ -153,11 +180,15 @@ async def _drain(receive: Receive) -> None:
             return
 
 
-async def _refuse(send: Send, status: int, reason: str) -> None:
+async def _refuse(send: Send, status: int, reason: str, is_reload: bool = False) -> None:
+    body = f"refused: {reason}\n".encode()
+    kind = b"html" if is_reload else b"plain"
     headers = [
-        (b"content-type", b"text/plain; charset=utf-8"),
+        (b"content-type", b"text/%s; charset=utf-8" % kind),
         (b"connection", b"close"),
-        *HEADERS,
+        *(RELOAD_HEADERS if is_reload else HEADERS),
     ]
+    if is_reload:
+        body += b"<script>%s</script>\n" % RELOAD
     await send({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": f"refused: {reason}\n".encode()})
+    await send({"type": "http.response.body", "body": body})

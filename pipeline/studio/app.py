@@ -30,7 +30,7 @@ from pipeline.spec.name_catalogue import names_of
 from pipeline.spec.scene_library import FIGURES
 from pipeline.studio.access import Guard
 from pipeline.studio.drawing import DrawnFigure
-from pipeline.studio.figure_analysis import analysed, problem_facts, with_drawing
+from pipeline.studio.figure_analysis import analysed, drawn_text, problem_facts, with_drawing
 from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text, updated_text
 from pipeline.studio.first_frames import FirstFrames, Requested
 from pipeline.studio.newest import Newest, Superseded
@@ -155,18 +155,18 @@ class Studio:
         return _document(self.project.read(self.project.write(name, text)))
 
     def open(self, message: Json) -> Json:
-        """Return a document, with its drawing if it is a right figure."""
+        """Return a document; of a figure, with its drawing and what is wrong with it."""
         if message.get("name") is None:
             return _document(Document("", "figure", NEW_FIGURE, False))
         return _document(self.project.read(_text(message, "name")))
 
     def check(self, message: Json) -> Json:
-        """Return the problems of a text, and its drawing if it is a right figure."""
+        """Return the drawing of a figure's text and its problems; a wrong scene is refused."""
         text = _text(message, "text")
         if message.get("kind") == "scene":
             read_scene(text, "scene", self._folder(message))
             return {"problems": []}
-        return _document(Document("", "figure", text, False))
+        return _drawing_of(text, "figure")
 
     def analyse(self, message: Json) -> Json:
         """Return what a drawing becomes."""
@@ -180,8 +180,9 @@ class Studio:
 
     def text_of(self, message: Json) -> Json:
         """Return the text of a figure file with a drawing in it."""
-        drawing = DrawnFigure.from_json(message.get("drawing"))
-        return {"text": updated_text(_text(message, "text"), drawing)}
+        drawing, text = DrawnFigure.from_json(message.get("drawing")), _text(message, "text")
+        is_empty = text == NEW_FIGURE and not drawing.nodes
+        return {"text": text if is_empty else updated_text(text, drawing)}
 
     def save(self, message: Json) -> Json:
         """Write a document; return it as it is then."""
@@ -272,11 +273,9 @@ class Studio:
         return {"folder": str(folder)}
 
     def rendered_frame(self, message: Json) -> Response:
-        """Return the newest frame of a film as PNG."""
+        """Return the newest frame of a film as PNG, nothing before the first."""
         picture = self._queue.frame(self._queue.find(message.get("number")))
-        if picture is None:
-            raise UsageError("there is no frame yet")
-        return Response(picture, media_type="image/png")
+        return Response(picture, 200 if picture else 204, media_type="image/png")
 
     def _shown(self, message: Json) -> ScenePlay:
         play = self._page(message).play
@@ -316,18 +315,21 @@ def _document(document: Document) -> Json:
         "kind": document.kind,
         "text": document.text,
         "is_shipped": document.is_shipped,
-        "drawing": None,
         "kinds": list(get_args(PartKind)),
     }
     if document.kind == "figure":
-        is_new = document.text == NEW_FIGURE
-        drawing = (
-            DrawnFigure(settings={"style": "insect"})
-            if is_new
-            else DrawnFigure.of(figure_of_text(document.text))
-        )
-        facts["drawing"] = drawing.as_json()
+        facts |= _drawing_of(document.text, document.name)
     return facts
+
+
+def _drawing_of(text: str, name: str) -> Json:
+    """Return the drawing of a figure's text, None where it is none, and what is wrong with it."""
+    drawing, error = drawn_text(text, name)
+    return {
+        "drawing": drawing and drawing.as_json(),
+        "error": str(error) if error else "",
+        "problems": [problem_facts(problem) for problem in error.problems] if error else [],
+    }
 
 
 @lru_cache(maxsize=4)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from pipeline.errors import Problem, SceneError
@@ -14,6 +14,7 @@ from pipeline.spec import Figure as FigureConfig
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_tree import tree_of
 from pipeline.studio.drawing import MAPPINGS, MIRRORED, DrawnFigure
+from pipeline.studio.figure_text import NEW_FIGURE, read_figure
 from pipeline.studio.joint_facts import posed_facts
 
 NAME = "it"
@@ -52,6 +53,30 @@ def with_drawing(config: FigureConfig | None, drawing: DrawnFigure) -> FigureCon
     if made is None:
         raise SceneError(problems)
     return made
+
+
+def drawn_text(text: str, file: str) -> tuple[DrawnFigure | None, SceneError | None]:
+    """Return the drawing of a text, and what is wrong with it, at its lines.
+
+    A text that is no figure has no drawing; one whose drawing cannot be built has both.
+
+    Args:
+        text: of a figure file.
+        file: its name, in problems.
+    """
+    if text == NEW_FIGURE:
+        return DrawnFigure(settings={"style": "insect"}), None
+    try:
+        config, source_map = read_figure(text, file)
+    except SceneError as error:
+        return None, error
+    drawing = DrawnFigure.of(config)
+    try:
+        build_figure(NAME, config, 1.0)
+    except SceneError as error:
+        problems = [replace(one, path=f"figure.{_own_path(one)}") for one in error.problems]
+        return drawing, source_map.with_locations(SceneError(problems))
+    return drawing, None
 
 
 def analysed(config: FigureConfig, is_whole: bool = True) -> dict[str, Any]:
@@ -121,7 +146,11 @@ def _drawn(config: FigureConfig, figure: Figure, colors: list[str]) -> dict[str,
 def problem_facts(problem: Problem) -> dict[str, Any]:
     """Return a problem as the page marks it: its place, its node if there is one, its message."""
     facts = asdict(problem)
-    path = problem.path.removeprefix(f"figures.{NAME}.")
-    head, _, rest = path.partition("nodes.")
+    head, _, rest = _own_path(problem).partition("nodes.")
     facts["node"] = rest.split(".")[0].split("[")[0].strip("'") if not head and rest else ""
     return facts
+
+
+def _own_path(problem: Problem) -> str:
+    """Return the path of a problem within its figure."""
+    return problem.path.removeprefix(f"figures.{NAME}.")

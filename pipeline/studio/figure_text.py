@@ -19,6 +19,7 @@ from pipeline.spec import Figure
 from pipeline.spec.library_search import FigureFile
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_reader import read_bytes
+from pipeline.spec.yaml_tree import SourceMap
 from pipeline.studio.drawing import MAPPINGS, SETTINGS, DrawnFigure, DrawnNode
 from pipeline.studio.yaml_pieces import (
     ALIASES,
@@ -44,8 +45,21 @@ figure:
 """What a new file holds before its first node."""
 
 
-def figure_of_text(text: str, file: str = "figure") -> Figure:
+def figure_of_text(text: str) -> Figure:
     """Return the figure of a figure file.
+
+    Raises:
+        SceneError: it is wrong; holds every problem found.
+    """
+    return read_figure(text, "figure")[0]
+
+
+def read_figure(text: str, file: str) -> tuple[Figure, SourceMap]:
+    """Return the figure of a figure file, and where its values stand.
+
+    Args:
+        text: of the file.
+        file: its name, in problems.
 
     Raises:
         SceneError: it is wrong; holds every problem found.
@@ -56,7 +70,7 @@ def figure_of_text(text: str, file: str = "figure") -> Figure:
     loaded, invalid = check(FigureFile, tree)
     if loaded is None or problems or invalid:
         raise SceneError([*problems, *invalid])
-    return loaded.figure
+    return loaded.figure, SourceMap(tree)
 
 
 def updated_text(text: str, drawing: DrawnFigure) -> str:
@@ -222,10 +236,10 @@ class _FigureEdits:
             if round(before.at[i] - after.at[i], DECIMALS):
                 scalar = at.value[i]
                 marks = scalar.start_mark.index, scalar.end_mark.index
-                yield Edit(*marks, number_text(after.at[i]))
+                yield Edit(*marks, number_text(after.at[i], scalar.value))
         if before.radius == after.radius or after.radius is None:
             return
-        size = number_text(after.radius)
+        size = number_text(after.radius, radius.value if radius is not None else "")
         if radius is not None:
             yield Edit(radius.start_mark.index, radius.end_mark.index, size)
         elif value is at:
@@ -242,7 +256,8 @@ class _FigureEdits:
     def _chains(self) -> Iterator[Edit]:
         before, after = self._before.chains, self._after.chains
         value = self._keys["chains"][1]
-        if before == after:
+        # A new figure has a key without a list.
+        if before == after and not isinstance(value, ScalarNode):
             return
         if not isinstance(value, SequenceNode) or value.flow_style or not before:
             yield self._whole_chains(value)

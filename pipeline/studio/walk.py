@@ -51,7 +51,7 @@ def figure_walk(
     )
     text = "walks" if figure.skeleton.legs else "crawls"
     if reason:
-        text = f"stands: {reason}"
+        text = f"stands: {_of_the_drawing(reason)}"
     still_wanted()
     facts = {
         "text": text,
@@ -60,6 +60,13 @@ def figure_walk(
         "gait": gait_bars(scene, take),
     }
     return FigureWalk(take_glb(take, materials, ground=False), facts)
+
+
+def _of_the_drawing(reason: str) -> str:
+    """Return a reason as it is told beside a drawing, which has no name and no scene to change."""
+    told = reason.replace(f"figure '{NAME}'", "the figure").replace(f"'{NAME}'", "the figure")
+    head, _, advice = told.rpartition("; ")
+    return head if head and "`walk`" in advice else told
 
 
 def gait_bars(scene: Scene, take: Take) -> list[dict[str, Any]]:

@@ -21,6 +21,7 @@ ALIASES = (
     "aliases; change it as text"
 )
 
+_DECIMALS = re.compile(r"[-+]?\d*\.(\d+)")
 _PLAIN = re.compile(r"[A-Za-z_][\w\-]*")
 _WORDS = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 
@@ -49,9 +50,13 @@ def with_edits(text: str, edits: Sequence[Edit]) -> str:
     return text
 
 
-def number_text(value: float) -> str:
-    """Return a number as it is written."""
-    return np.format_float_positional(round(value, DECIMALS) + 0.0, trim="-")
+def number_text(value: float, before: str = "") -> str:
+    """Return a number as it is written, with at least the decimals of one that stood there."""
+    found = _DECIMALS.fullmatch(before)
+    rounded = round(value, DECIMALS) + 0.0
+    if found is None or len(found[1]) > DECIMALS:
+        return np.format_float_positional(rounded, trim="-")
+    return np.format_float_positional(rounded, min_digits=len(found[1]))
 
 
 def name_text(text: str) -> str:

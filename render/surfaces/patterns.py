@@ -57,6 +57,10 @@ COVER_LAYERS = (Layer(29.0, 23.0), Layer(173.0, 61.0), Layer(911.0, 8.0))
 COVER_CONTRAST, COVER_RELIEF = 0.6, 0.16
 """How uneven the tones and the slopes of the cover of land are."""
 
+REPEATED, FADING_LEVELS = 5.0, 3.0
+"""Mip level from which a layer of cover is left out, and the levels over which it fades: a tile of
+ten pixels would be seen as a grid over far slopes."""
+
 WARMTH = (0.13, 0.0, -0.16)
 """Share of a texel's warmth added to red, green and blue."""
 
@@ -215,8 +219,9 @@ class GroundShader:
         for layer in COVER_LAYERS:
             level = mip_level(si, 2.0 * layer.scale, self.values[PIXEL_WIDTH])
             uneven = self._uneven.on(projection, layer.scale, layer.turn_deg, level)
-            tone *= 1.0 + COVER_CONTRAST * (uneven.shade - 0.5)
-            slopes = slopes[0] + uneven.slope_u, slopes[1] + uneven.slope_v
+            shown = dr.clip((REPEATED - mi.Float(level)) / FADING_LEVELS, 0.0, 1.0)
+            tone *= 1.0 + shown * COVER_CONTRAST * (uneven.shade - 0.5)
+            slopes = slopes[0] + shown * uneven.slope_u, slopes[1] + shown * uneven.slope_v
         gradient = projection.gradient(*slopes)
         covered = bent_normal(si.sh_frame.n, gradient, COVER_RELIEF)
         return dr.lerp(color, cover * tone, share), dr.lerp(normal, covered, share)

@@ -93,6 +93,15 @@ def test_the_message_of_a_missing_figure_names_the_search_places_and_the_nearest
     ]
 
 
+def test_a_figure_file_is_refused_as_a_scene():
+    path = library() / "figures" / "beetle.yaml"
+    with pytest.raises(SceneError) as caught:
+        load_scene(path)
+    (problem,) = caught.value.problems
+    assert (problem.line, problem.path) == (4, "figure")
+    assert "is a figure, not a scene; pronk figure reports on it" in problem.message
+
+
 def test_a_figure_file_of_a_newer_version_is_refused(folder):
     (folder / "bug.yaml").write_text(FIGURE.replace("pronk: 1", "pronk: 3"))
     assert problems_of(load_figure, "bug.yaml") == [

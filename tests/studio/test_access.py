@@ -24,6 +24,16 @@ def test_nothing_but_a_refusal_is_served_without_the_token(served: Served, path:
     assert served.request("GET", f"{path}?token=wrong", with_token=False)[0] == 403
 
 
+def test_a_tab_that_had_the_page_may_load_it_again(served: Served) -> None:
+    body = served.request("GET", "/", with_token=False)[1]
+    assert b"<script>" in body
+    assert b"t0ken" not in body
+    for path in ("/?again&token=old", "/?again", "/assets/studio.js", "//"):
+        assert b"<script>" not in served.request("GET", path, with_token=False)[1]
+    # Another name of this machine gets no script either.
+    assert b"<script>" not in served.request("GET", "/", None, {"Host": "evil.example"}, False)[1]
+
+
 def test_the_address_opens_the_page_and_its_files(served: Served) -> None:
     status, body = served.request("GET", "/?token=t0ken", with_token=False)
     assert status == 200

@@ -20,11 +20,12 @@ from pipeline.studio import first_frames
 from pipeline.studio.app import MAX_PAGES
 from pipeline.studio.drawing import DrawnFigure
 from pipeline.studio.figure_analysis import with_drawing
-from pipeline.studio.figure_text import figure_of_text
+from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text
 from pipeline.studio.first_frames import FirstFrames
 from pipeline.studio.newest import Newest, Superseded
 from pipeline.studio.render_queue import Render, RenderQueue
 from pipeline.studio.scene_play import forbidden_runs
+from pipeline.studio.walk import figure_walk
 from tests.studio.conftest import SCENE, Served
 
 FIGURES = sorted((library() / "figures").glob("*.yaml"))
@@ -90,6 +91,41 @@ def test_a_figure_is_saved_beside_the_scene_and_only_its_line_changes(served: Se
     assert [a for a, b in lines if a != b] == [
         line for line in before.splitlines() if line.strip().startswith("foot1_l:")
     ]
+
+
+def test_mistakes_of_a_figure_are_told_at_their_place(served: Served) -> None:
+    text = opened(served)["text"]
+    (served.folder / "figures").mkdir()
+    (served.folder / "figures" / "bad.yaml").write_text(text.replace("style:", "sytle:"))
+    bad = opened(served, "figures/bad.yaml")
+    assert (bad["drawing"], [(p["line"], p["column"]) for p in bad["problems"]]) == (None, [(5, 3)])
+    assert bad["error"].startswith("figures/bad.yaml:5:3: figure.sytle: unknown key")
+    # Right as a text, but no limb has such a joint.
+    joints = "  joints: {l9: {joint1_bend: {rest_deg: 1}}}\n  skin:"
+    status, answer = served.ask("check", kind="figure", text=text.replace("  skin:", joints))
+    assert (status, answer["drawing"]["settings"]["style"]) == (200, "insect")
+    line = text[: text.index("  skin:")].count("\n") + 1
+    assert [(p["line"], p["column"]) for p in answer["problems"]] == [(line, 17)]
+    right = served.ask("check", kind="figure", text=text)[1]
+    assert (right["error"], right["problems"]) == ("", [])
+
+
+def test_a_new_figure_has_a_text_before_its_first_node(served: Served) -> None:
+    document = served.ask("open")[1]
+    assert (document["drawing"]["nodes"], document["error"]) == ({}, "")
+    status, answer = served.ask("text", text=document["text"], drawing=document["drawing"])
+    assert (status, answer["text"]) == (200, document["text"])
+    document["drawing"]["nodes"] = {"a": {"at": [0, 0.5], "radius": 0.1}}
+    answer = served.ask("text", text=document["text"], drawing=document["drawing"])[1]
+    node = "nodes:\n    a: {at: [0, 0.5], radius: 0.1}\n  chains: []"
+    assert answer["text"] == document["text"].replace("nodes:\n  chains:", node)
+
+
+def test_why_a_figure_stands_is_told_without_a_scene() -> None:
+    text = NEW_FIGURE.replace("nodes:", "nodes: {a: [0, 0], b: [0, 1], c: [1, 1]}")
+    config = figure_of_text(text.replace("chains:", "chains: [[a, b, c]]"))
+    facts = figure_walk(config, {}, lambda: None).facts
+    assert facts["text"] == "stands: the figure has no legs to walk on"
 
 
 @pytest.mark.slow

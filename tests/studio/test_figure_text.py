@@ -11,6 +11,7 @@ from pipeline.errors import SceneError, UsageError
 from pipeline.spec import library
 from pipeline.studio.drawing import DrawnFigure, DrawnNode
 from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text, rounded, updated_text
+from pipeline.studio.yaml_pieces import number_text
 
 FIGURES = sorted((library() / "figures").glob("*.yaml"))
 BEETLE = (library() / "figures" / "beetle.yaml").read_text(encoding="utf-8")
@@ -70,7 +71,18 @@ def test_comments_and_line_ends_stay() -> None:
     after = updated_text(text, replace(drawing, nodes=nodes))
     assert after.count("\r\n") == after.count("\n") == text.count("\n")
     assert "# Hips join in a ring" in after
-    assert "knee1_l:   {at: [-0.7, -0.9], radius: 0.1, material: brown chitin}" in after
+    assert "knee1_l:   {at: [-0.70, -0.90], radius: 0.100, material: brown chitin}" in after
+
+
+@pytest.mark.parametrize(
+    ("before", "value", "after"),
+    [
+        *(("1.40", 1.5, "1.50"), ("-0.5", 0.0, "0.0"), ("2", 1.0, "1"), ("1e-1", 0.5, "0.5")),
+        *(("0.10", 0.12345, "0.1235"), ("", 0.25, "0.25"), ("1.00000", 2.0, "2")),
+    ],
+)
+def test_a_number_keeps_the_decimals_it_was_written_with(before, value, after) -> None:
+    assert number_text(value, before) == after
 
 
 def test_a_deleted_node_takes_its_line_and_its_place_in_chains() -> None:

@@ -5,7 +5,9 @@ With `PRONK_STUDIO_PICTURES=docs/studio` the pictures of docs/studio.md are made
 
 from __future__ import annotations
 
+import itertools
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -26,7 +28,13 @@ BROWSER = "PRONK_BROWSER"
 """Environment variable: the browser to use, which then has to be there."""
 
 PICTURES = "PRONK_STUDIO_PICTURES"
-"""Environment variable: folder in which the pictures are kept."""
+"""Environment variable: folder in which the pictures of the documentation are kept."""
+
+SHOWN = re.findall(
+    r"\(studio/(\w+)\.png\)",
+    (Path(__file__).parents[2] / "docs" / "studio.md").read_text(encoding="utf-8"),
+)
+"""Names of those pictures."""
 
 STUCK, REFUSED = 540.0, 60.0
 """Times after which what is waited for will not come [s], far longer than a busy machine takes: at
@@ -43,13 +51,13 @@ class Page:
     Args:
         page: of the browser.
         served: the studio.
-        pictures: folder of screenshots.
+        scratch: folder of screenshots.
     """
 
-    def __init__(self, page: Any, served: Served, pictures: Path) -> None:
+    def __init__(self, page: Any, served: Served, scratch: Path) -> None:
         self.page = page
         self.served = served
-        self.pictures = pictures
+        self.scratch = scratch
 
     def open(self, first: str | None) -> None:
         """Load the page with a document."""
@@ -100,8 +108,10 @@ class Page:
         self.page.mouse.up()
 
     def picture(self, name: str) -> Path:
-        """Keep a screenshot."""
-        path = self.pictures / f"{name}.png"
+        """Keep a screenshot, one that the documentation shows where it is wanted."""
+        folder = Path(os.environ.get(PICTURES, self.scratch)) if name in SHOWN else self.scratch
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{name}.png"
         self.page.screenshot(path=path)
         return path
 
@@ -119,8 +129,6 @@ def page(served: Served, tmp_path: Path) -> Iterator[Page]:
         import playwright.sync_api as driver
     else:
         driver = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    pictures = Path(os.environ.get(PICTURES, tmp_path / "pictures"))
-    pictures.mkdir(parents=True, exist_ok=True)
     errors: list[str] = []
     with driver.sync_playwright() as started:
         flags = ["--no-sandbox", "--enable-unsafe-swiftshader"]
@@ -128,7 +136,7 @@ def page(served: Served, tmp_path: Path) -> Iterator[Page]:
         opened = browser.new_page(viewport={"width": 1280, "height": 760})
         opened.on("pageerror", lambda error: errors.append(str(error)))
         opened.on("request", lambda asked: _refuse_foreign(asked.url, served, errors))
-        yield Page(opened, served, pictures)
+        yield Page(opened, served, tmp_path / "pictures")
         browser.close()
     assert errors == []
 
@@ -210,16 +218,22 @@ def test_a_dragged_node_is_drawn_and_analysed_and_undone(page: Page) -> None:
 
 def _place_of_part(page: Page, part: str) -> tuple[float, float]:
     """Return a place of the screen at which a part of the creature is seen, well inside of it."""
-    box = page.page.locator("#creature").bounding_box()
+    return _place_in(page, "creature", "partAt", part)
+
+
+def _place_in(page: Page, view: str, at: str, name: str) -> tuple[float, float]:
+    """Return a place of the screen at which a view shows what has a name, well inside of it."""
+    box = page.page.locator(f"#{view}").bounding_box()
+    viewer = {"creature": "studio.editor.viewer", "world": "studio.player.viewer"}[view]
     expression = (
-        "([box, part]) => { const seen = []; for (let y = 4; y < box.height; y += 9)"
+        "([box, name]) => { const seen = []; for (let y = 4; y < box.height; y += 9)"
         " for (let x = 4; x < box.width; x += 9) {"
         " const at = {clientX: box.x + x, clientY: box.y + y};"
-        " if (studio.editor.viewer.partAt(at) === part) seen.push([at.clientX, at.clientY]); }"
+        f" if ({viewer}.{at}(at) === name) seen.push([at.clientX, at.clientY]); }}"
         " return seen[Math.floor(seen.length / 2)]; }"
     )
-    found = page.page.evaluate(expression, [box, part])
-    assert found, f"{part} is not seen"
+    found = page.page.evaluate(expression, [box, name])
+    assert found, f"{name} is not seen"
     return found[0], found[1]
 
 
@@ -228,26 +242,26 @@ def test_a_part_is_clicked_and_posed_in_three_dimensions(page: Page) -> None:
     page.wait("studio.editor.walks > 0 && Boolean(studio.editor.analysis.links)")
     page.page.focus("#canvas")
     page.page.keyboard.press("Space")
-    page.page.mouse.click(*_place_of_part(page, "l1.2"))
-    assert page.value("studio.editor.posing.link") == "l1.2"
+    page.page.mouse.click(*_place_of_part(page, "r2.2"))
+    assert page.value("studio.editor.posing.link") == "r2.2"
     assert page.page.locator("#part").is_visible()
-    before = page.value("studio.editor.analysis.links.find(l => l.name === 'l1.2').joints[0]")
-    x, y = _place_of_part(page, "l1.2")
+    before = page.value("studio.editor.analysis.links.find(l => l.name === 'r2.2').joints[0]")
+    x, y = _place_of_part(page, "r2.2")
     page.page.mouse.move(x, y)
     page.page.mouse.down()
     page.page.mouse.move(x + 6, y + 22, steps=8)
     page.picture("part")
     page.page.mouse.up()
     joints = page.value("studio.editor.drawing.joints")
-    rest = joints["l1"]["joint1_bend"]["rest_deg"]
+    rest = joints["r2"]["joint1_bend"]["rest_deg"]
     assert before["lower"] <= rest <= before["upper"]
     assert abs(rest - before["preferred"]) > 3
-    assert joints["r1"] == joints["l1"]
+    assert joints["l2"] == joints["r2"]
     assert page.value("studio.editor.undos.length") == 1
     page.wait("studio.editor.walks > 1")
     page.page.fill("[aria-label='mass']", "9.5")
     page.page.press("[aria-label='mass']", "Enter")
-    page.wait("Math.abs(studio.editor.analysis.masses.r1 - 9.5) < 1e-6")
+    page.wait("Math.abs(studio.editor.analysis.masses.l2 - 9.5) < 1e-6")
     page.page.fill("[aria-label='joint1_bend rest']", "179")
     page.page.press("[aria-label='joint1_bend rest']", "Enter")
     page.wait("document.querySelector('#part .bad') !== null")
@@ -265,7 +279,7 @@ def test_a_part_is_clicked_and_posed_in_three_dimensions(page: Page) -> None:
     page.page.mouse.down()
     page.page.mouse.move(x + 14, y + 14, steps=6)
     page.page.mouse.up()
-    limits = page.value("studio.editor.drawing.joints.l1.joint1_bend.limits_deg")
+    limits = page.value("studio.editor.drawing.joints.r2.joint1_bend.limits_deg")
     assert limits[0] == pytest.approx(before["lower"])
     assert limits[1] != pytest.approx(before["upper"])
     _save(page)
@@ -273,8 +287,8 @@ def test_a_part_is_clicked_and_posed_in_three_dimensions(page: Page) -> None:
     original = (library() / "figures" / "beetle.yaml").read_text()
     assert all(line in text.splitlines() for line in original.splitlines())
     figure = load_figure(page.served.folder / "figures" / "beetle.yaml")
-    assert figure.masses == {"l1": 9.5, "r1": 9.5}
-    assert figure.joints["l1"]["joint1_bend"].rest_deg == rest
+    assert figure.masses == {"r2": 9.5, "l2": 9.5}
+    assert figure.joints["r2"]["joint1_bend"].rest_deg == rest
     for _ in range(3):
         page.page.click("#undo")
     assert page.value("studio.editor.drawing.joints") == {}
@@ -333,6 +347,69 @@ def test_operations_of_the_selected_set(page: Page) -> None:
     assert page.value("studio.editor.selected.size") == nodes
 
 
+def test_sets_are_mirrored_scaled_turned_grouped_and_connected(page: Page) -> None:
+    page.open(None)
+    for place in ((0.0, -0.5), (0.0, 0.5)):
+        page.page.mouse.click(*page.place(*place), button="middle")
+    page.page.keyboard.press("d")
+    page.click((0.0, -0.5), (-0.4, -0.5), (-0.4, 0.1))
+    page.page.keyboard.press("Escape")
+    page.page.keyboard.press("v")
+    at = "Object.values(studio.editor.drawing.nodes).map((node) => node.at)"
+    assert page.value(at) == [[0, -0.5], [0, 0.5], [-0.4, -0.5], [-0.4, 0.1]]
+    # A leg is copied to the other side, and stays connected where it was.
+    page.drag((-0.6, -0.7), (-0.2, 0.3))
+    page.page.keyboard.press("t")
+    page.page.keyboard.press("m")
+    assert page.value(at)[4:] == [[0.4, -0.5], [0.4, 0.1]]
+    leg, copy = {("n1", "n3"), ("n3", "n4")}, {("n1", "n3_m"), ("n3_m", "n4_m")}
+    assert _connections(page) == leg | copy
+    # The copy is selected: scaled about its middle, turned about the origin, moved by fields.
+    page.page.keyboard.press("t")
+    page.page.click("#scale")
+    assert page.value(at)[4:] == [pytest.approx([0.4, -0.53]), pytest.approx([0.4, 0.13])]
+    page.page.keyboard.press("Control+z")
+    page.page.select_option("#about-point", "origin")
+    page.page.fill("#angle", "90")
+    page.page.click("#rotate")
+    assert page.value(at)[4:] == [pytest.approx([0.5, 0.4]), pytest.approx([-0.1, 0.4])]
+    page.page.fill("#by-y", "0.3")
+    page.page.click("#translate")
+    assert page.value(at)[4:] == [pytest.approx([0.5, 0.7]), pytest.approx([-0.1, 0.7])]
+    page.page.keyboard.press("Shift+M")
+    assert page.value(at)[4:] == [pytest.approx([0.5, -0.7]), pytest.approx([-0.1, -0.7])]
+    page.page.keyboard.press("x")
+    assert _connections(page) == leg | {("n1", "n3_m")}
+    page.page.keyboard.press("c")
+    assert _connections(page) == leg | copy
+    # A group is selected by one of it, until it is none.
+    page.page.keyboard.press("g")
+    page.page.keyboard.press("Escape")
+    page.click((0.5, -0.7))
+    assert page.value("[...studio.editor.selected].sort()") == ["n3_m", "n4_m"]
+    page.page.keyboard.press("Shift+G")
+    page.page.keyboard.press("Escape")
+    page.click((0.5, -0.7))
+    assert page.value("[...studio.editor.selected]") == ["n3_m"]
+    page.page.keyboard.press("Control+a")
+    assert page.value("studio.editor.selected.size") == 6
+    # A connection that is clicked is cut; a radius is dragged by its handle.
+    page.click((-0.4, -0.2))
+    page.page.keyboard.press("Delete")
+    assert _connections(page) == {("n1", "n3")} | copy
+    page.click((-0.4, 0.1))
+    page.drag((-0.32, 0.1), (-0.25, 0.1))
+    radius = page.value("studio.editor.drawing.nodes.n4.radius")
+    assert radius == pytest.approx(0.15, abs=0.01)
+
+
+def _connections(page: Page) -> set[tuple[str, str]]:
+    """Return the connections of the drawing, the names of each in order."""
+    chains = page.value("studio.editor.drawing.chains")
+    pairs = (sorted(pair) for chain in chains for pair in itertools.pairwise(chain))
+    return {(a, b) for a, b in pairs}
+
+
 def test_a_scene_is_played_edited_and_marked(page: Page) -> None:
     page.open("walk.yaml")
     page.wait("studio.player.takes > 0")
@@ -340,7 +417,7 @@ def test_a_scene_is_played_edited_and_marked(page: Page) -> None:
     first = page.value("studio.player.facts.seconds")
     page.page.click("#on")
     assert page.value("studio.player.frame") == 2
-    moved = page.picture("scene")
+    moved = page.picture("played")
     _replace(page, "frames: 8", "frames: 12")
     page.wait("studio.player.takes > 1")
     assert page.value("studio.player.facts.seconds") > first
@@ -349,8 +426,16 @@ def test_a_scene_is_played_edited_and_marked(page: Page) -> None:
     assert page.page.inner_text(".cm-lintRange-error") == "sped"
     assert "did you mean 'speed'" in page.page.inner_text("#status")
     page.picture("mistake")
-    _replace(page, "sped: 1", "speed: 1")
-    page.wait("studio.player.takes > 2")
+    travelled = (
+        "(studio.player.seek(studio.player.facts.seconds),"
+        " studio.player.viewer.poseOf([...studio.player.viewer.nodes.keys()][0]).elements[12])"
+    )
+    ways = [page.value(travelled)]
+    for takes, before, after in ((2, "sped: 1", "speed: 0.5"), (3, "speed: 0.5", "speed: 1")):
+        _replace(page, before, after)
+        page.wait(f"studio.player.takes > {takes}")
+        ways.append(page.value(travelled))
+    assert ways[2] - ways[1] == pytest.approx(0.5 * page.value("studio.player.facts.seconds"), 0.1)
     colors = np.asarray(Image.open(moved).convert("RGB"))[100:500, 700:1200].reshape(-1, 3)
     # A creature on ground below a sky, not a canvas of one colour.
     assert len(np.unique(colors // 16, axis=0)) > 12
@@ -414,10 +499,10 @@ def test_numbers_colours_and_positions_are_dragged(page: Page) -> None:
     page.page.keyboard.press("Control+z")
     assert page.value("studio.player.editor.text") == MAPPED
     page.page.locator(".swatch").evaluate(
-        "(e) => { e.value = '#aa4411'; e.dispatchEvent(new Event('input'));"
+        "(e) => { e.value = '#88aa66'; e.dispatchEvent(new Event('input'));"
         " e.dispatchEvent(new Event('change')); }"
     )
-    assert page.value("studio.player.editor.text") == MAPPED.replace("#668844", "#aa4411")
+    assert page.value("studio.player.editor.text") == MAPPED.replace("#668844", "#88aa66")
     page.page.click("#see-map")
     labels = page.value("studio.player.map.points.map((point) => point.label)")
     assert labels == ["tree", "bug at", "bug path", "bug path", "crate at"]
@@ -455,23 +540,18 @@ def _drag_on_the_map(page: Page, number: int, dx: float, dz: float) -> None:
 def test_a_performer_that_is_clicked_shows_its_channels(page: Page) -> None:
     page.open("walk.yaml")
     page.wait("studio.player.takes > 0")
-    box = page.page.locator("#world").bounding_box()
-    found = page.page.evaluate(
-        "(box) => { for (let y = 5; y < box.height; y += 10)"
-        " for (let x = 5; x < box.width; x += 10) {"
-        " const at = {clientX: box.x + x, clientY: box.y + y};"
-        " if (studio.player.viewer.performerAt(at) === 'bug') return [at.clientX, at.clientY]; } }",
-        box,
-    )
-    page.page.mouse.click(*found)
+    page.page.mouse.click(*_place_in(page, "world", "performerAt", "bug"))
     page.wait("studio.player.bars.curves.length > 0")
     assert "gait_phase" in page.value("studio.player.bars.curves.map((curve) => curve.name)")
+    # However many they are, the buttons stay in view.
+    box = page.page.locator("#transport").bounding_box()
+    assert box["y"] + box["height"] < 600
     page.picture("channels")
 
 
-def _replace(page: Page, before: str, after: str) -> None:
+def _replace(page: Page, before: str, after: str, editor: str = "player") -> None:
     page.page.evaluate(
-        "([a, b]) => { const v = studio.player.editor.view;"
+        f"([a, b]) => {{ const v = studio.{editor}.editor.view;"
         " const from = v.state.doc.toString().indexOf(a);"
         " v.dispatch({changes: {from, to: from + a.length, insert: b}}); }",
         [before, after],
@@ -500,6 +580,9 @@ def test_a_scene_that_was_not_changed_is_saved_as_the_same_file(page: Page) -> N
     file.write_bytes(SCENE.replace("\n", "\r\n").encode())
     before = file.read_bytes()
     page.open("walk.yaml")
+    # There is nothing to undo yet.
+    page.value("studio.player.editor.view.focus()")
+    page.page.keyboard.press("Control+z")
     assert not page.value("studio.player.isDirty")
     page.page.click("#save")
     page.wait("document.getElementById('status').textContent.startsWith('saved')")
@@ -511,8 +594,11 @@ def test_the_library_opens_documents(page: Page) -> None:
     page.page.click("#tab-library")
     page.wait("document.querySelectorAll('#library article').length > 200")
     # All that are in view, where the picture is kept: they are rendered one by one.
-    count = 11 if PICTURES in os.environ else 2
-    page.wait(f"document.querySelectorAll('#library article img[src]').length > {count}")
+    seen = "[...document.querySelectorAll('#library article img')].filter((one) => one.src"
+    if PICTURES in os.environ:
+        seen += " || one.getBoundingClientRect().top > innerHeight"
+        page.wait(f"{seen}).length === document.querySelectorAll('#library article img').length")
+    page.wait(f"{seen}).length > 2")
     page.picture("library")
     page.page.fill("#find", "marimba")
     assert page.page.locator("#library article:visible").count() == 1
@@ -532,6 +618,23 @@ def test_the_library_opens_documents(page: Page) -> None:
 def test_studio_is_reached_by_its_address_alone(page: Page, served: Served) -> None:
     assert isinstance(served.studio, Studio)
     page.page.goto(f"http://127.0.0.1:{served.port}/")
+    assert page.page.inner_text("body").startswith("refused: no token")
+
+
+def test_a_page_that_is_loaded_again_shows_the_document_it_had(page: Page, served: Served) -> None:
+    page.open("walk.yaml")
+    assert page.page.url == f"http://127.0.0.1:{served.port}/"
+    page.page.click("#tab-library")
+    page.page.click("[data-name='library:figures/tripod.yaml']")
+    page.wait("document.getElementById('name').textContent.startsWith('library:figures/tripod')")
+    page.page.reload()
+    page.page.wait_for_selector("#figure:not([hidden])")
+    page.wait("Boolean(window.studio?.isReady)")
+    assert page.page.inner_text("#name") == "library:figures/tripod.yaml"
+    # Another studio at this address has another token.
+    page.value("sessionStorage.studioToken = 'of another'")
+    page.page.reload()
+    page.page.wait_for_url("**/?again&token=of%20another")
     assert page.page.inner_text("body").startswith("refused: no token")
 
 
@@ -564,16 +667,13 @@ def test_a_moving_view_has_fewer_triangles_and_one_at_rest_all(page: Page) -> No
     page.wait("studio.player.takes > 0")
     draw = "(studio.player.viewer.draw({}), studio.player.viewer.triangles)"
     whole = page.value(draw.format("false"))
-    page.picture("whole")
+    pictures = [page.picture("whole")]
     budget = page.value("studio.player.viewer.detail.budget = 18000")
     moving = page.value(draw.format("true"))
-    page.picture("coarse")
+    pictures.append(page.picture("coarse"))
     assert whole > 2 * budget
     assert moving < 1.25 * budget
-    seen = [
-        np.asarray(Image.open(page.pictures / f"{name}.png").convert("L"), dtype=float)
-        for name in ("whole", "coarse")
-    ]
+    seen = [np.asarray(Image.open(path).convert("L"), dtype=float) for path in pictures]
     # The same animals at the same places: few pixels are clearly another colour.
     assert (np.abs(seen[0] - seen[1])[50:540, 540:] > 60).mean() < 0.01
     page.wait(f"studio.player.viewer.triangles === {whole}")
@@ -643,10 +743,32 @@ def test_nodes_are_made_by_the_middle_button_and_by_the_keyboard(page: Page) -> 
     assert page.value(count) == nodes - 1
 
 
+MEETING = """\
+pronk: 1
+duration: 3
+terrain: {kind: flat, size: [16, 16], cells: [16, 16], material: turf}
+materials:
+  turf: {preset: grass, color: "#7d9a55"}
+cast:
+  - name: bug
+    figure: beetle
+    at: [0, 1.4]
+    walk: {path: [[6, 1.4]], speed: 0.8}
+  - name: mare
+    figure: horse
+    at: [-0.5, -1.2]
+    walk: {path: [[6, -1.2]], speed: 1.2}
+"""
+
+
 def test_sounds_and_keys_are_explained_under_the_pointer_and_heard(page: Page) -> None:
-    (page.served.folder / "walk.yaml").write_text(SCENE.replace("frames: 8", "duration: 2"))
+    (page.served.folder / "walk.yaml").write_text(MEETING)
     page.open("walk.yaml")
     page.wait("studio.player.takes > 0 && Boolean(studio.player.hasSound)")
+    page.value("studio.player.seek(1.2)")
+    page.page.mouse.click(*_place_in(page, "world", "performerAt", "bug"))
+    page.wait("studio.player.bars.curves.length > 0")
+    page.picture("scene")
     at = (
         "(event => { const b = studio.player.bars, box = b.canvas.getBoundingClientRect();"
         " return [box.left + b.left + event.time / b.seconds * (box.width - b.left - 8),"
@@ -654,11 +776,11 @@ def test_sounds_and_keys_are_explained_under_the_pointer_and_heard(page: Page) -
     )
     x, y = page.value(at)
     page.page.mouse.move(x, y)
-    cause = page.value("studio.player.facts.events[0].cause")
-    assert page.value("studio.player.bars.canvas.title").startswith(f"{cause} of bug at ")
+    cause, who = page.value("(({cause, who}) => [cause, who])(studio.player.facts.events[0])")
+    assert page.value("studio.player.bars.canvas.title").startswith(f"{cause} of {who} at ")
     page.page.mouse.click(x, y)
     assert page.value("studio.player.playing")
-    assert page.page.inner_text("#status").startswith(f"{cause} of bug at ")
+    assert page.page.inner_text("#status").startswith(f"{cause} of {who} at ")
     page.wait("!studio.player.playing")
     box = page.page.locator(".cm-line", has_text="terrain:").bounding_box()
     page.page.mouse.move(box["x"] + 20, box["y"] + 8, steps=3)
@@ -687,13 +809,115 @@ def _refused(dialog: Any, asked: list[str]) -> None:
     dialog.dismiss()
 
 
-def test_a_figure_that_is_wrong_is_told_and_the_library_shown(page: Page) -> None:
-    (page.served.folder / "figures").mkdir()
-    bad = page.served.folder / "figures" / "bad.yaml"
-    bad.write_text("pronk: 1\nfigure:\n  sytle: insect\n  nodes: {a: [0, 0]}\n")
-    page.open("figures/bad.yaml")
+def test_a_document_that_is_not_there_is_told_and_the_library_shown(page: Page) -> None:
+    page.open("gone.yaml")
     assert page.page.locator("#library").is_visible()
-    assert ":3:3: " in page.page.inner_text("#status")
+    assert "there is no file 'gone.yaml'" in page.page.inner_text("#status")
+
+
+BEETLE = (library() / "figures" / "beetle.yaml").read_text(encoding="utf-8")
+
+
+def test_a_wrong_figure_is_mended_in_its_text(page: Page) -> None:
+    (page.served.folder / "figures").mkdir()
+    file = page.served.folder / "figures" / "bad.yaml"
+    file.write_text(BEETLE.replace("style:", "sytle:"))
+    page.open("figures/bad.yaml")
+    assert page.page.inner_text("#status").startswith("figures/bad.yaml:5:3: figure.sytle: ")
+    assert page.page.inner_text("#figure-text .cm-lintRange-error") == "sytle"
+    assert page.page.locator("#board[inert]").count() == 1
+    page.picture("wrong_figure")
+    # Saved as it is typed, even where it is no figure yet.
+    _replace(page, "green chitin", "brown chitin", "editor.text")
+    _save(page)
+    assert file.read_text() == BEETLE.replace("style:", "sytle:").replace("green", "brown")
+    _replace(page, "sytle", "style", "editor.text")
+    page.wait("studio.editor.walks > 0 && studio.editor.isIdle")
+    assert page.page.locator("#board[inert]").count() == 0
+    assert page.value("studio.editor.isDirty")
+    _save(page)
+    assert file.read_text() == BEETLE.replace("green", "brown")
+    assert not page.value("studio.editor.isDirty")
+
+
+def test_the_text_of_a_figure_follows_its_drawing_and_is_followed(page: Page) -> None:
+    page.open("library:figures/beetle.yaml")
+    page.wait("studio.editor.walks > 0")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("y")
+    page.wait("studio.editor.text.isShown && studio.editor.isIdle")
+    assert page.value("studio.editor.text.editor.text") == BEETLE
+    page.value("studio.editor.select(['foot3_l'])")
+    page.page.keyboard.press("Shift+ArrowDown")
+    page.wait("studio.editor.isIdle")
+    assert page.value("studio.editor.text.editor.text") == BEETLE.replace("1.40]", "1.50]")
+    _replace(page, "-1.45, 1.50]", "-1.25, 1.70]", "editor.text")
+    page.wait("studio.editor.drawing.nodes.foot3_l.at[1] === 1.7")
+    for wanted in ([-1.45, 1.5], [-1.45, 1.4]):
+        page.page.click("#undo")
+        page.wait("studio.editor.isIdle")
+        assert page.value("studio.editor.drawing.nodes.foot3_l.at") == wanted
+    assert page.value("studio.editor.text.editor.text") == BEETLE
+    # A joint that no limb has: right as a text, and told where it stands.
+    wrong = "  joints: {l9: {joint1_bend: {rest_deg: 1}}}\n  skin:"
+    _replace(page, "  skin:", wrong, "editor.text")
+    page.wait("document.querySelector('#figure-text .cm-lintRange-error') !== null")
+    assert page.page.inner_text("#figure-text .cm-lintRange-error") == "joint1_bend"
+    page.picture("figure_text")
+
+
+def test_a_picture_behind_is_moved_scaled_and_turned(page: Page, tmp_path: Path) -> None:
+    page.open("library:figures/beetle.yaml")
+    (tmp_path / "none.png").write_text("no picture")
+    page.page.set_input_files("#picture", tmp_path / "none.png")
+    page.wait("document.getElementById('status').textContent.includes('is no picture')")
+    page.page.click("#move-picture")
+    assert page.value("studio.editor.backdrop.isMoved") is False
+    Image.new("RGB", (400, 300), "black").save(tmp_path / "skeleton.png")
+    page.page.set_input_files("#picture", tmp_path / "skeleton.png")
+    page.wait("studio.editor.backdrop.current !== null")
+    before = page.value("JSON.stringify(studio.editor.drawing)")
+    page.page.click("#move-picture")
+    page.drag((0.0, 0.0), (0.4, -0.3))
+    placed = "(({x, y, width, turn}) => [x, y, width, turn])(studio.editor.backdrop.current)"
+    assert page.value(placed) == pytest.approx([0.4, -0.3, 2, 0], abs=0.02)
+    page.page.mouse.move(*page.place(0.4, -0.3))
+    page.page.mouse.wheel(0, -462)
+    page.wait("studio.editor.backdrop.current.width > 3")
+    assert page.value(placed) == pytest.approx([0.4, -0.3, 4, 0], abs=0.03)
+    page.page.keyboard.down("Shift")
+    page.page.mouse.wheel(0, 100)
+    page.page.keyboard.up("Shift")
+    page.wait("Math.abs(studio.editor.backdrop.current.turn) === 1")
+    page.page.fill("#picture-turn", "90")
+    page.page.press("#picture-turn", "Enter")
+    assert page.value("studio.editor.backdrop.current.turn") == 90
+    dark = "[...studio.editor.context.getImageData(%s, %s, 1, 1).data]"
+    x, y = page.value("studio.editor.toScreen([0.35, 1.55])")
+    assert page.value(dark % (round(x), round(y)))[3] > 100
+    page.page.keyboard.press("Escape")
+    assert page.value("studio.editor.backdrop.isMoved") is False
+    assert page.value("JSON.stringify(studio.editor.drawing)") == before
+    # It stays with its figure.
+    page.page.click("#tab-library")
+    page.page.click("[data-name='library:figures/horse.yaml']")
+    page.wait("studio.editor.analysis?.headline.startsWith('mammal, 4 legs')")
+    assert page.value("studio.editor.backdrop.current") is None
+    page.page.click("#tab-library")
+    page.page.click("[data-name='library:figures/beetle.yaml']")
+    page.wait("studio.editor.backdrop.current !== null")
+
+
+def test_what_is_not_drawn_yet_shows_no_other_creature(page: Page) -> None:
+    page.open("library:figures/tripod.yaml")
+    page.wait("studio.editor.walks > 0")
+    page.page.click("#tab-library")
+    page.page.click("[data-name='']")
+    page.wait("document.getElementById('name').textContent === 'new figure'")
+    assert page.value("studio.editor.viewer.model") is None
+    assert page.page.inner_text("#headline") == ""
+    page.page.click("#save")
+    assert page.page.inner_text("#status") == "there is nothing to save yet"
 
 
 def test_a_studio_that_has_ended_is_told(page: Page) -> None:

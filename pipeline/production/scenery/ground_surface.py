@@ -158,7 +158,10 @@ class GroundSurface:
         out = self._land.beyond(places)
         sea = self._land.sea_level
         above = height - (self._land.level if sea is None else sea)
-        site = Site(places, out, above, np.zeros(len(x)), self._land.seed, (0.0, 0.0, 0.0))
+        still = np.zeros(len(x))
+        site = Site(
+            places, out, np.zeros_like(places), above, still, self._land.seed, (0.0, 0.0, 0.0)
+        )
         return woods(site, self._land.kind)
 
     def _land_at(self, x: Array, z: Array) -> tuple[Array, Array]:

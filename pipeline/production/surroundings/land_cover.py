@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.production.surroundings.lattice_noise import fractal, noise, smoothstep
+from pipeline.production.surroundings.lattice_noise import fractal, noise, resolved, smoothstep
 from pipeline.simulation.spatial import Array
 
 Color = tuple[float, float, float]
@@ -43,6 +43,7 @@ class Site:
     Attributes:
         places: (N, 2) in the frame of the grid [m].
         out: (N,) distance beyond the terrain [m].
+        spacing: (N, 2) between neighbours outward and around [m].
         height: (N,) over the level of the land [m].
         steepness: (N,) rise per metre.
         seed: of the noise.
@@ -51,6 +52,7 @@ class Site:
 
     places: Array
     out: Array
+    spacing: Array
     height: Array
     steepness: Array
     seed: int
@@ -58,7 +60,12 @@ class Site:
 
     def fractal(self, width: float, salt: int, octaves: int = 4) -> Array:
         """Return noise (N,), about -1 to 1, with features `width` metres wide."""
-        return fractal(self.places / width, self.seed + 200 + 10 * salt, octaves)
+        widest = self.spacing.max(axis=-1) / width
+        return fractal(self.places / width, self.seed + 200 + 10 * salt, octaves, spacing=widest)
+
+    def noise(self, width: float, seed: int, spacing: Array) -> Array:
+        """Return noise (N,) of one width [m], as far as places of a spacing (N,) [m] show it."""
+        return resolved(width, spacing) * noise(self.places / width, seed)
 
 
 def cover(site: Site, kind: str) -> Array:
@@ -69,9 +76,8 @@ def cover(site: Site, kind: str) -> Array:
     """
     color = COVERS[kind](site)
     # Broad light and dark, as of the shadows of clouds and of soils.
-    color = (
-        color * (1.0 + 0.16 * site.fractal(90.0, 7) + 0.10 * noise(site.places / 21.0, 5))[:, None]
-    )
+    stains = site.noise(21.0, 5, site.spacing.max(axis=-1))
+    color = color * (1.0 + 0.16 * site.fractal(90.0, 7) + 0.10 * stains)[:, None]
     ragged = site.out * (1.0 + 0.7 * np.clip(site.fractal(23.0, 8), -1.0, 1.0))
     share = smoothstep(NEAR, FAR, ragged)
     if kind == "dunes":
@@ -98,14 +104,11 @@ def woods(site: Site, kind: str) -> Array:
 def canopy(site: Site, kind: str) -> Array:
     """Return the height (N,) of far woods over the ground [m]: ragged lines of trees."""
     trees = woods(site, kind) * smoothstep(*WOODS_FROM, site.out)
-    return np.asarray(
-        trees
-        * (
-            6.5
-            + 3.5 * noise(site.places / 13.0, site.seed + 71)
-            + 2.5 * noise(site.places / 5.0, site.seed + 72)
-        )
-    )
+    # A line of trees is seen from the side: only how close vertices are around counts.
+    around = site.spacing[:, 1]
+    crowns = 3.5 * site.noise(13.0, site.seed + 71, around)
+    crowns += 2.5 * site.noise(5.0, site.seed + 72, around)
+    return np.asarray(trees * (6.5 + crowns))
 
 
 def _mixed(first: Array | Color, second: Color | Array, share: Array) -> Array:

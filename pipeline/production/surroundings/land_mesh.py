@@ -50,9 +50,9 @@ def land_mesh(
     height = land.height_in_grid(places)
     sea = land.sea_level
     above = height - (land.level if sea is None else sea)
-    site = Site(
-        places, land.beyond(places), above, _steepness(places, height, around), land.seed, color
-    )
+    spacing = _spacing(places, around)
+    steep = _steepness(spacing, height, around)
+    site = Site(places, land.beyond(places), spacing, above, steep, land.seed, color)
     # Steepness and cover are those of the ground below the trees.
     height = height + canopy(site, land.kind)
     x, z = land.field.to_world(*places.T)
@@ -79,17 +79,21 @@ def vertices_around(detail: float) -> int:
     return max(LEAST_AROUND, round(AROUND * detail))
 
 
-def _steepness(places: Array, height: Array, around: int) -> Array:
-    """Return the rise per metre (N,) at the vertices of rings."""
-    at, h = places.reshape(-1, around, 2), height.reshape(-1, around)
-    rises = []
-    for axis in (0, 1):
-        ahead, behind = (np.roll(at, -way, axis) - at for way in (1, -1))
-        up = np.roll(h, -1, axis) - np.roll(h, 1, axis)
-        rises.append(up / np.maximum(np.hypot(*np.moveaxis(ahead - behind, -1, 0)), 1e-6))
+def _spacing(places: Array, around: int) -> Array:
+    """Return the distances (N, 2) to the next vertices of rings, outward and along a ring [m]."""
+    at = places.reshape(-1, around, 2)
+    ways = [np.roll(at, -1, axis) - np.roll(at, 1, axis) for axis in (0, 1)]
     # The first ring has none inside, the last one none outside.
+    ways[0][0], ways[0][-1] = ways[0][1], ways[0][-2]
+    return np.stack([np.hypot(*np.moveaxis(way, -1, 0)).ravel() / 2.0 for way in ways], axis=-1)
+
+
+def _steepness(spacing: Array, height: Array, around: int) -> Array:
+    """Return the rise per metre (N,) at the vertices of rings."""
+    h = height.reshape(-1, around)
+    rises = [(np.roll(h, -1, axis) - np.roll(h, 1, axis)) / 2.0 for axis in (0, 1)]
     rises[0][[0, -1]] = 0.0
-    return np.hypot(*rises).ravel()
+    return np.hypot(*(np.stack(rises, -1).reshape(-1, 2) / np.maximum(spacing, 1e-6)).T)
 
 
 def wall_mesh(land: Land, terrain: TerrainRecord) -> Mesh | None:

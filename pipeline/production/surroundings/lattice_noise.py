@@ -81,15 +81,36 @@ def _turned_back(slopes: Plane, octaves: int) -> Plane:
     return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
 
-def fractal(places: Array, seed: int, octaves: int = 5, gain: float = 0.5) -> Array:
-    """Return fractal noise (...), about -1 to 1, whose largest features are one unit wide."""
-    total, share, span = np.zeros(places.shape[:-1]), 1.0, 0.0
+def fractal(
+    places: Array,
+    seed: int,
+    octaves: int = 5,
+    gain: float = 0.5,
+    spacing: Array | float = 0.0,
+) -> Array:
+    """Return fractal noise (...), about -1 to 1, whose largest features are one unit wide.
+
+    Args:
+        places: (..., 2) in widths of the largest features.
+        seed: of the lattice.
+        octaves: number of sizes.
+        gain: ratio of the heights of two octaves.
+        spacing: (...) between the places that are looked at, in the same unit; octaves too fine
+            for it, which would be a random value a place, are left out.
+    """
+    total, share, span, width = np.zeros(places.shape[:-1]), 1.0, 0.0, 1.0
     for k in range(octaves):
-        total += share * noise(places, seed + k)
+        total += share * resolved(width, spacing) * noise(places, seed + k)
         span += share
+        width /= LACUNARITY
         share *= gain
         places = _finer(places)
     return total / (0.7 * span)
+
+
+def resolved(width: float, spacing: Array | float) -> Array:
+    """Return which share (...), 0 to 1, of noise of a width places of a spacing can show."""
+    return smoothstep(1.2, 2.8, width / np.maximum(spacing, 1e-9))
 
 
 def eroded(places: Array, seed: int, octaves: int = 6) -> Array:

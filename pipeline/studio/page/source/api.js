@@ -2,8 +2,11 @@
 
 const script = document.getElementById("studio-script");
 const token = script.dataset.token;
-// So that the token stands in no history and no screenshot.
+// Whether this tab had the page before, and loads it again.
+export const isAgain = new URLSearchParams(location.search).has("again");
+// So that the token stands in no history and no screenshot; this tab keeps it to be loaded again.
 history.replaceState(null, "", "/");
+sessionStorage.studioToken = token;
 // So that pages that are open beside each other keep their own takes, also when they are loaded again.
 sessionStorage.studioPage ??= crypto.randomUUID();
 const page = sessionStorage.studioPage;

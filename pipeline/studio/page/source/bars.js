@@ -82,13 +82,16 @@ export class Bars {
     const step = this.seconds > 20 ? 5 : this.seconds > 6 ? 1 : 0.5;
     for (let t = 0; t <= this.seconds; t += step) {
       context.fillRect(x(t), 17, 1, 5);
-      context.fillText(`${t}`, x(t) + 3, 20);
+      const hasRoom = x(t) + 3 + context.measureText(`${t}`).width < width;
+      context.textAlign = hasRoom ? "left" : "right";
+      context.fillText(`${t}`, x(t) + (hasRoom ? 3 : -2), 20);
     }
+    context.textAlign = "left";
     let y = 34;
-    for (const { legs } of this.gait) {
+    for (const { who, legs } of this.gait) {
       for (const leg of legs) {
         context.fillStyle = INK;
-        context.fillText(leg.name, 6, y);
+        context.fillText(this.gait.length > 1 ? `${who} ${leg.name}` : leg.name, 6, y, this.left - 12);
         context.fillStyle = leg.color;
         context.globalAlpha = 0.3;
         for (const [a, b] of leg.planned) context.fillRect(x(a), y - 5, x(b) - x(a), 4);
@@ -134,7 +137,7 @@ export class Bars {
       context.fillText(name, 6, y - 1, this.left - 12);
       const now = points.findLast(([time]) => time <= this.time + 1e-6) ?? points[0];
       context.fillStyle = FAINT;
-      if (now) context.fillText(`${Number(now[1].toPrecision(4))} ${unit}`, 6, y + 12, this.left - 12);
+      if (now) context.fillText(`${Number(now[1].toPrecision(4))} ${unit === "1" ? "" : unit}`, 6, y + 12, this.left - 12);
       context.fillRect(this.left, y + CURVE - 12, width - this.left - 8, 0.5);
       context.strokeStyle = COLORS[k % COLORS.length];
       context.lineWidth = 1.4;

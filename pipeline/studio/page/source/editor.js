@@ -2,7 +2,9 @@
 
 import { ask, askBytes, latest, Refusal } from "./api.js";
 import { Bars } from "./bars.js";
+import { Backdrop } from "./backdrop.js";
 import * as sheet from "./drawing.js";
+import { FigureText } from "./figure_text.js";
 import { Posing } from "./posing.js";
 import { Viewer } from "./viewer.js";
 
@@ -34,13 +36,17 @@ export class Editor {
     this.metrics = { analysis: [], drawing: [] };
     this.analyse = latest((request) => this.#analyse(request));
     this.walk = latest((request) => this.#walk(request));
+    this.backdrop = new Backdrop(this.canvas, report, () => this.refresh());
+    this.text = new FigureText(document.getElementById("figure-text"), this, report);
+    this.isLocked = false;
     this.#buildTools();
     this.#listen();
     new ResizeObserver(() => this.draw()).observe(document.getElementById("board"));
   }
 
-  open(document_) {
+  async open(document_) {
     this.document = document_;
+    this.base = document_.text;
     this.drawing = document_.drawing ?? sheet.empty();
     this.saved = JSON.stringify(this.drawing);
     this.undos = [];
@@ -51,12 +57,24 @@ export class Editor {
     this.groups = [];
     this.sets = [];
     this.analysis = null;
+    this.problems = [];
+    this.#showAnalysis();
+    this.lock(!document_.drawing);
+    // Nothing can be selected on an empty board.
+    if (!this.isLocked && !Object.keys(this.drawing.nodes).length) this.tool = "draw";
     this.viewer ??= new Viewer(document.getElementById("creature"), { onTheSpot: true });
     this.posing ??= new Posing(this.viewer, document.getElementById("part"), this);
     this.posing.select(null);
+    this.walked = null;
+    this.viewer.clear();
+    this.showStance();
+    this.bars.show({ seconds: 1 });
     this.viewer.resize();
+    this.backdrop.open(document_.name);
     this.fit();
     this.#changed();
+    await this.text.open(document_);
+    this.#refreshTools();
     if (!this.ticking) {
       this.ticking = true;
       this.last = performance.now();
@@ -65,39 +83,80 @@ export class Editor {
   }
 
   get isDirty() {
-    return JSON.stringify(this.drawing) !== this.saved;
+    if (this.text.typed !== null) return this.text.typed !== this.document.text;
+    return this.base !== this.document.text || JSON.stringify(this.drawing) !== this.saved;
+  }
+
+  get isEmpty() {
+    return this.text.typed === null && !Object.keys(this.drawing.nodes).length;
+  }
+
+  // What is saved: the text into which the drawing is put, or one that is no drawing yet.
+  get content() {
+    if (this.text.typed !== null) return { text: this.text.typed };
+    return { text: this.base, drawing: this.drawing };
+  }
+
+  // The file holds now what is shown.
+  wasSaved() {
+    this.base = this.document.text;
+    this.saved = JSON.stringify(this.drawing);
+    this.backdrop.keep(this.document.name);
+    if (this.text.typed !== null) this.text.typed = this.base;
   }
 
   // ---- changes, undo
 
-  // Remembers the drawing, so that what follows can be undone.
-  remember() {
-    this.undos.push(JSON.stringify(this.drawing));
+  #remember(drawing) {
+    this.report("");
+    this.undos.push({ base: this.base, drawing });
     if (this.undos.length > UNDO_STEPS) this.undos.shift();
     this.redos = [];
   }
 
   change(work) {
-    this.remember();
+    this.#remember(JSON.stringify(this.drawing));
     work(this.drawing);
     this.#changed();
   }
 
   // Ends a drag that changed the drawing: one step of undoing.
   commit(before) {
-    this.undos.push(before);
-    if (this.undos.length > UNDO_STEPS) this.undos.shift();
-    this.redos = [];
+    this.#remember(before);
     this.#changed();
   }
 
-  #changed() {
+  // Draws what was typed: one step of undoing until the next change here.
+  takeText(base, drawing) {
+    if (!this.isTyping) this.#remember(JSON.stringify(this.drawing));
+    const isFirst = !Object.keys(this.drawing.nodes).length;
+    Object.assign(this, { base, drawing });
+    if (isFirst) this.fit();
+    if (base === this.document.text) this.saved = JSON.stringify(drawing);
+    this.#changed(true);
+  }
+
+  // Text that is no figure has no drawing to work on.
+  lock(isLocked) {
+    this.isLocked = isLocked;
+    for (const element of document.querySelectorAll("#tools, #board, #figure aside")) element.inert = isLocked;
+    this.#refreshTools();
+  }
+
+  #changed(isTyping = false) {
+    this.isTyping = isTyping;
+    if (!isTyping) this.text.follow();
     for (const name of this.selected) if (!(name in this.drawing.nodes)) this.selected.delete(name);
     this.#refreshTools();
     this.draw();
     this.posing.refresh();
-    this.analyse(this.#message());
     clearTimeout(this.walkTimer);
+    this.walkTimer = null;
+    if (this.isLocked || !Object.keys(this.drawing.nodes).length) {
+      this.analysis = null;
+      return this.#showAnalysis();
+    }
+    this.analyse(this.#message());
     this.walkTimer = setTimeout(() => {
       this.walkTimer = null;
       this.walk(this.#message());
@@ -106,12 +165,12 @@ export class Editor {
 
   // Whether all that was changed is analysed and walks.
   get isIdle() {
-    return !this.walkTimer && !this.analyse.isBusy() && !this.walk.isBusy();
+    return !this.walkTimer && ![this.analyse, this.walk, this.text.follow].some((work) => work.isBusy());
   }
 
   #message() {
     return {
-      text: this.document.text,
+      text: this.base,
       drawing: sheet.copyOf(this.drawing),
       asked: performance.now(),
       is_moving: Boolean(this.drag),
@@ -119,16 +178,18 @@ export class Editor {
   }
 
   undo() {
-    if (!this.undos.length) return;
-    this.redos.push(JSON.stringify(this.drawing));
-    this.drawing = JSON.parse(this.undos.pop());
-    this.#changed();
+    this.#exchange(this.undos, this.redos);
   }
 
   redo() {
-    if (!this.redos.length) return;
-    this.undos.push(JSON.stringify(this.drawing));
-    this.drawing = JSON.parse(this.redos.pop());
+    this.#exchange(this.redos, this.undos);
+  }
+
+  #exchange(from, to) {
+    if (!from.length || this.isLocked) return;
+    to.push({ base: this.base, drawing: JSON.stringify(this.drawing) });
+    const { base, drawing } = from.pop();
+    Object.assign(this, { base, drawing: JSON.parse(drawing) });
     this.#changed();
   }
 
@@ -261,11 +322,16 @@ export class Editor {
       this.posing.refresh();
       this.bars.show(facts);
       this.walks = (this.walks ?? 0) + 1;
-      document.getElementById("walk-text").textContent = facts.text;
+      this.showStance();
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      if (error.status !== 409) document.getElementById("walk-text").textContent = error.message.split("\n")[0];
+      if (error.status !== 409) this.showStance(error.message.split("\n")[0]);
     }
+  }
+
+  // Tells what the creature does.
+  showStance(text = this.walked?.text ?? "") {
+    document.getElementById("walk-text").textContent = this.posing.isOn ? "rest pose; Esc: walk on" : text;
   }
 
   #tick(now) {
@@ -304,8 +370,8 @@ export class Editor {
         return item;
       }),
     );
-    if (!analysis || this.drag) return;
-    table.replaceChildren(...analysis.limbs.map((limb) => this.#limbRow(limb)));
+    if (this.drag) return;
+    table.replaceChildren(...(analysis?.limbs ?? []).map((limb) => this.#limbRow(limb)));
   }
 
   #limbRow(limb) {
@@ -367,6 +433,7 @@ export class Editor {
     button(box, "tool-draw", "Draw", "D: click for nodes and connections, Esc ends a line", () => this.#setTool("draw"));
     button(box, "lasso", "Lasso", "L: select inside an outline instead of a box", () => this.toggle("lasso"));
     button(box, "fit", "Fit", "F", () => this.fit());
+    button(box, "see-text", "Text", "Y: the figure's text beside the drawing", () => this.toggleText());
     heading("Select");
     box = row();
     button(box, "all", "All", "Ctrl+A", () => this.select(Object.keys(this.drawing.nodes)));
@@ -425,15 +492,16 @@ export class Editor {
     const grid = field("grid m", number("grid", this.grid, 0.01));
     grid.onchange = () => this.set("grid", Math.max(Number(grid.value) || 0.05, 0.001));
     heading("Picture behind");
-    const picture = field("", Object.assign(document.createElement("input"), { id: "picture", type: "file", accept: "image/*" }));
-    picture.style.width = "150px";
-    picture.onchange = () => this.#setPicture(picture.files[0]);
-    const width = field("width m", number("picture-width", 2, 0.1));
-    width.onchange = () => {
-      this.pictureWidth = Math.max(Number(width.value), 0.01);
-      this.draw();
-    };
-    this.pictureWidth = 2;
+    box = row();
+    button(box, "choose-picture", "Choose", "a picture under the drawing; it may be dropped there too", () => this.backdrop.choose());
+    button(box, "move-picture", "Move", "I: drag the picture, scale it by the wheel, turn it by Shift and the wheel", () => this.backdrop.toggle());
+    this.pictureFields = new Map();
+    for (const [key, text, step] of this.backdrop.fields) {
+      const input = field(text, number(`picture-${key}`, "", step));
+      input.onchange = () => this.backdrop.set(key, Number(input.value));
+      back(input);
+      this.pictureFields.set(key, input);
+    }
     this.fields = { named, radius, style, feet };
   }
 
@@ -443,6 +511,10 @@ export class Editor {
 
   set(key, value) {
     this[key] = value;
+    this.refresh();
+  }
+
+  refresh() {
     this.#refreshTools();
     this.draw();
   }
@@ -471,8 +543,14 @@ export class Editor {
     this.fields.radius.value = single?.radius ?? "";
     this.fields.style.value = this.drawing?.settings.style ?? "insect";
     this.fields.feet.value = this.drawing?.settings.feet ?? "(usual)";
-    document.getElementById("undo").disabled = !this.undos?.length;
-    document.getElementById("redo").disabled = !this.redos?.length;
+    document.getElementById("undo").disabled = this.isLocked || !this.undos?.length;
+    document.getElementById("redo").disabled = this.isLocked || !this.redos?.length;
+    on("see-text", this.text?.isShown);
+    on("move-picture", this.backdrop.isMoved);
+    for (const [key, input] of this.pictureFields) {
+      input.value = this.backdrop.current?.[key] ?? "";
+      input.disabled = !this.backdrop.current;
+    }
     this.onChange?.();
   }
 
@@ -488,9 +566,10 @@ export class Editor {
     this.change((drawing) => this.selected.forEach((name) => (drawing.nodes[name].radius = value)));
   }
 
-  async #setPicture(file) {
-    this.picture = file ? await createImageBitmap(file) : null;
-    this.draw();
+  async toggleText() {
+    await this.text.show(!this.text.isShown);
+    this.#refreshTools();
+    this.fit();
   }
 
   // ---- mouse and keyboard
@@ -578,7 +657,8 @@ export class Editor {
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       const [x, y] = this.toSheet(event);
-      const factor = Math.exp(-event.deltaY * 0.0015);
+      const factor = Math.exp(-(event.deltaY || event.deltaX) * 0.0015);
+      if (this.backdrop.isMoved) return this.backdrop.wheel([x, y], factor, event.shiftKey);
       this.view.scale = Math.min(Math.max(this.view.scale * factor, 2), 20000);
       const [nx, ny] = this.toSheet(event);
       this.view.x += x - nx;
@@ -606,6 +686,10 @@ export class Editor {
         return this.draw();
       }
       this.drag = { kind: "pan", x: event.clientX, y: event.clientY };
+      return;
+    }
+    if (this.backdrop.isMoved) {
+      this.drag = { kind: "picture", last: place };
       return;
     }
     if (this.tool === "draw") return this.#drawAt(place, node);
@@ -711,6 +795,9 @@ export class Editor {
       this.view.y -= (event.clientY - drag.y) / this.view.scale;
       Object.assign(drag, { x: event.clientX, y: event.clientY });
       if (drag.click && Math.hypot(drag.x - drag.start[0], drag.y - drag.start[1]) > CLICK) drag.click = null;
+    } else if (drag.kind === "picture") {
+      this.backdrop.move(x - drag.last[0], y - drag.last[1]);
+      drag.last = [x, y];
     } else if (drag.kind === "area") {
       if (drag.outline) drag.points.push([x, y]);
       else drag.points[1] = [x, y];
@@ -752,7 +839,8 @@ export class Editor {
   }
 
   #key(event) {
-    if (document.getElementById("figure").hidden || /INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) return;
+    if (document.getElementById("figure").hidden || this.isLocked) return;
+    if (/INPUT|SELECT|TEXTAREA/.test(event.target.tagName) || event.target.closest(".cm-editor")) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     const held = event.ctrlKey || event.metaKey;
     const step = event.shiftKey ? 0.1 : 0.01;
@@ -774,6 +862,8 @@ export class Editor {
       m: () => this.mirror(event.shiftKey ? 1 : 0),
       b: () => this.toggleMirror(),
       s: () => this.toggle("snaps"),
+      y: () => this.toggleText(),
+      i: () => this.backdrop.toggle(),
       "[": () => this.rotate(-angle),
       "]": () => this.rotate(angle),
       "+": () => this.scale(1.1),
@@ -783,6 +873,7 @@ export class Editor {
       Backspace: () => this.deleteSelected(),
       Escape: () => {
         if (this.loose) this.set("loose", null);
+        else if (this.backdrop.isMoved) this.backdrop.toggle();
         else if (this.posing.isOn) this.posing.select(null);
         else this.select([]);
       },
@@ -813,7 +904,8 @@ export class Editor {
     }
     const [xs, ys] = [places.map((node) => node.at[0]), places.map((node) => node.at[1])];
     const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-    const scale = Math.min((clientWidth - 130) / Math.max(x1 - x0, 0.1), (clientHeight - 110) / Math.max(y1 - y0, 0.1));
+    const [wide, high] = [clientWidth - Math.min(130, clientWidth / 5), clientHeight - 110];
+    const scale = Math.min(wide / Math.max(x1 - x0, 0.1), high / Math.max(y1 - y0, 0.1));
     this.view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale: Math.min(scale, 2000) };
     this.draw();
   }
@@ -832,19 +924,14 @@ export class Editor {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     this.#drawPaper(width, height);
-    this.#drawFigure();
+    if (Object.keys(this.drawing.nodes).length) this.#drawFigure();
+    else this.#drawHint(width, height);
     this.#drawArea();
   }
 
   #drawPaper(width, height) {
     const { context, view } = this;
-    if (this.picture) {
-      const [w, h] = [this.pictureWidth, (this.pictureWidth * this.picture.height) / this.picture.width];
-      const [x, y] = this.toScreen([-w / 2, -h / 2]);
-      context.globalAlpha = 0.45;
-      context.drawImage(this.picture, x, y, w * view.scale, h * view.scale);
-      context.globalAlpha = 1;
-    }
+    this.backdrop.draw(context, view.scale, (place) => this.toScreen(place));
     let spacing = this.grid;
     while (spacing * view.scale < 12) spacing *= spacing.toString().includes("5") ? 2 : 5;
     context.fillStyle = "#cfcabe";
@@ -872,6 +959,14 @@ export class Editor {
     const metre = [1, 0.5, 0.2, 0.1, 0.05, 0.01].find((one) => one * view.scale < width / 4) ?? 0.01;
     context.fillRect(14, height - 16, metre * view.scale, 2);
     context.fillText(`${metre} m`, 14, height - 22);
+  }
+
+  #drawHint(width, height) {
+    const text = this.isLocked ? "the text is no figure yet" : "Draw (D): click for nodes and connections; Esc ends a line";
+    this.context.fillStyle = FAINT;
+    this.context.textAlign = "center";
+    this.context.fillText(text, width / 2, height / 2 - 14);
+    this.context.textAlign = "left";
   }
 
   #drawFigure() {

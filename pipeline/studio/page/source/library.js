@@ -39,17 +39,16 @@ export class Library {
     const own = documents.filter(({ name }) => !name.startsWith("library:"));
     const shipped = documents.filter(({ name }) => name.startsWith("library:"));
     const of = (some, kind) => some.filter((one) => one.kind === kind);
-    const begin = make("div", { className: "cards" });
-    begin.append(
+    const begin = [
       make("button", { textContent: "new figure", onclick: () => this.open(null) }),
       make("button", { textContent: "new scene", onclick: () => this.#newScene() }),
-    );
-    begin.lastChild.dataset.name = "+scene";
-    begin.firstChild.dataset.name = "";
+    ];
+    begin[0].dataset.name = "";
+    begin[1].dataset.name = "+scene";
     this.seen.disconnect();
     this.wanted = [];
     this.element.replaceChildren(
-      make("div", { className: "top" }, begin, search),
+      make("div", { className: "top" }, ...begin, search),
       ...this.#section("Figures of this folder", of(own, "figure")),
       ...this.#section("Scenes of this folder", of(own, "scene")),
       ...this.#section("Figures", of(shipped, "figure")),

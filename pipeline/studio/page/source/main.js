@@ -1,6 +1,6 @@
 // The page: which document is open, and what is done with it.
 
-import { ask, Refusal } from "./api.js";
+import { ask, isAgain, Refusal } from "./api.js";
 import { Editor } from "./editor.js";
 import { Library } from "./library.js";
 import { Player } from "./player.js";
@@ -34,6 +34,7 @@ function refresh() {
   const document_ = shown?.document;
   $("name").textContent = document_ ? `${document_.name || "new figure"}${shown.isDirty ? " •" : ""}` : "";
   $("save").disabled = !document_;
+  if (document_) sessionStorage.studioDocument = document_.name;
 }
 
 editor.onChange = refresh;
@@ -55,9 +56,9 @@ const open = (name) =>
     if (shown?.isDirty && !confirm("What was changed is not saved. Open another document?")) return false;
     const document_ = await ask("open", { name });
     show(document_.kind === "figure" ? "figure" : "scene");
-    if (document_.kind === "figure") editor.open(document_);
-    else await player.open(document_);
-    report(document_.is_shipped ? "of the library; saving makes a copy in this folder" : "");
+    await shown.open(document_);
+    if (document_.error) report(document_.error.split("\n")[0], true);
+    else report(document_.is_shipped ? "of the library; saving makes a copy in this folder" : "");
     refresh();
   });
 
@@ -65,15 +66,14 @@ const save = () =>
   guarded(async () => {
     const { document: document_ } = shown;
     let { name } = document_;
+    if (shown.isEmpty) return report("there is nothing to save yet", true);
     if (!name) {
       const wished = prompt("Name of the figure", "creature");
       if (!wished) return false;
       name = `figures/${wished.replace(/\.ya?ml$/, "")}.yaml`;
     }
     const before = document_.name && !document_.is_shipped ? document_.text : null;
-    const message = { name, text: document_.text, before };
-    if (shown === editor) message.drawing = editor.drawing;
-    else message.text = player.editor.text;
+    const message = { name, ...shown.content, before };
     let saved;
     try {
       saved = await ask("save", message);
@@ -85,10 +85,7 @@ const save = () =>
       saved = await ask("save", { ...message, before: now.text });
     }
     Object.assign(document_, saved);
-    if (shown === editor) {
-      editor.saved = JSON.stringify(editor.drawing);
-      editor.analyse({ text: saved.text, drawing: editor.drawing, asked: performance.now() });
-    }
+    shown.wasSaved();
     report(`saved ${saved.name}`);
     refresh();
   });
@@ -131,7 +128,7 @@ window.addEventListener("beforeunload", (event) => shown?.isDirty && event.preve
 
 window.studio = { editor, player, library };
 const { first } = await ask("library");
-if (!(await open(first))) {
+if (!(await open(isAgain ? sessionStorage.studioDocument || null : first))) {
   const { textContent } = $("status");
   await showLibrary();
   report(textContent, true);

@@ -2,7 +2,7 @@
 
 import { ask, askBytes, latest, Refusal } from "./api.js";
 import { Bars } from "./bars.js";
-import { textEditor } from "./scene_text.js";
+import { textEditor } from "./text_editor.js";
 import { TerrainMap } from "./terrain_map.js";
 import { Viewer } from "./viewer.js";
 
@@ -26,7 +26,7 @@ export class Player {
     this.document = document_;
     this.facts = null;
     this.viewer ??= new Viewer(document.getElementById("world"));
-    this.viewer.model = this.viewer.model && (this.viewer.scene.remove(this.viewer.model), null);
+    this.viewer.clear();
     this.viewer.resize();
     if (!this.editor) {
       const schema = await ask("schema", { kind: "scene" });
@@ -45,6 +45,14 @@ export class Player {
     return this.editor && this.editor.text !== this.document.text;
   }
 
+  // What is saved.
+  get content() {
+    return { text: this.editor.text };
+  }
+
+  // The file holds now what is shown.
+  wasSaved() {}
+
   #message() {
     return { text: this.editor.text, name: this.document.name, kind: "scene" };
   }
@@ -61,10 +69,12 @@ export class Player {
     clearTimeout(this.timer);
     try {
       await ask("check", message);
+      this.mistaken = false;
       this.editor.mark([]);
       this.timer = setTimeout(() => this.simulate(), SIMULATE_DELAY);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
+      this.mistaken = true;
       this.editor.mark(error.problems.length ? error.problems : [{ line: 1, column: 1, path: "", message: error.message }]);
       this.report(error.message.split("\n")[0], true);
     }
@@ -91,7 +101,7 @@ export class Player {
       this.map.draw();
       this.seek(time);
       await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
-      this.report(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
+      this.#reportTake(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
       this.takes = (this.takes ?? 0) + 1;
       this.#noteShown(changed);
       this.film = null;
@@ -102,6 +112,11 @@ export class Player {
       this.editor.mark(error.problems);
       this.report(error.message.split("\n")[0], true);
     }
+  }
+
+  // A mistake that was typed meanwhile matters more.
+  #reportTake(text) {
+    if (!this.mistaken) this.report(text);
   }
 
   // What is simulated so far, more and more of it while the rest is.
@@ -120,7 +135,7 @@ export class Player {
         this.seek(Math.min(this.viewer.time, facts.seconds));
         this.#noteShown(changed);
         this.beginnings.push(facts.frames);
-        this.report(`simulating …; the first ${facts.seconds.toFixed(1)} s of ${facts.whole.toFixed(1)} s are there`);
+        this.#reportTake(`simulating …; the first ${facts.seconds.toFixed(1)} s of ${facts.whole.toFixed(1)} s are there`);
         after = facts.frames;
       }
     } catch (error) {
@@ -189,7 +204,7 @@ export class Player {
     this.bars.time = time;
     this.bars.draw();
     const clock = document.getElementById("clock");
-    clock.textContent = `${time.toFixed(2)} s, frame ${this.frame} of ${this.facts.frames}`;
+    clock.textContent = `${time.toFixed(2)} s, frame ${this.frame}/${this.facts.frames}`;
   }
 
   get frame() {

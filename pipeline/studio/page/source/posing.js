@@ -16,7 +16,7 @@ const radians = (degrees) => (degrees * Math.PI) / 180;
 const colorOf = (joint) => COLORS[joint.name.split("_").pop()] ?? "#b4442f";
 
 export class Posing {
-  // `board` has `drawing`, `analysis` and `problems`; `remember` and `changed` make steps of undoing.
+  // `board` has `drawing`, `analysis` and `problems`; `change` and `commit` make steps of undoing.
   constructor(viewer, panel, board) {
     this.viewer = viewer;
     this.panel = panel;
@@ -47,6 +47,7 @@ export class Posing {
     // A limb is mostly raised and bent.
     this.joint = (joints.find((one) => /pitch|bend/.test(one.name)) ?? joints[0])?.name ?? null;
     if (this.link === null) this.viewer.release();
+    this.board.showStance();
     this.refresh();
   }
 

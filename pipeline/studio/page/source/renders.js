@@ -34,14 +34,11 @@ export class Renders {
   }
 
   async #picture({ number, state }) {
-    try {
-      const { bytes } = await askBytes("rendered-frame", { number });
+    const { bytes } = await askBytes("rendered-frame", { number });
+    if (bytes.byteLength) {
       URL.revokeObjectURL(this.pictures.get(number));
       this.pictures.set(number, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      if (state !== "rendering" && state !== "waiting") this.pictures.set(number, "data:,");
-    }
+    } else if (state !== "rendering" && state !== "waiting") this.pictures.set(number, "data:,");
   }
 
   async #openFolder(number) {
@@ -55,8 +52,9 @@ export class Renders {
 
   #article({ number, scene, preset, state, stage, text }) {
     const article = document.createElement("article");
-    const picture = Object.assign(document.createElement("img"), { alt: `newest frame of ${scene}` });
-    picture.src = this.pictures.get(number) ?? "data:,";
+    const picture = document.createElement("img");
+    const src = this.pictures.get(number) ?? "data:,";
+    Object.assign(picture, { src, alt: src === "data:," ? "" : `newest frame of ${scene}` });
     const about = document.createElement("div");
     const line = (tag, textContent) => about.append(Object.assign(document.createElement(tag), { textContent }));
     line("strong", `${scene}, ${preset}: ${state}`);

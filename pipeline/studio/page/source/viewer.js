@@ -62,24 +62,29 @@ export class Viewer {
     this.draw();
   }
 
-  async show(bytes) {
-    const gltf = await new GLTFLoader().parseAsync(bytes, "");
-    const isFirst = this.model === null;
+  clear() {
     this.detail?.dispose();
-    if (this.model) {
-      this.scene.remove(this.model);
-      this.model.traverse((object) => {
-        object.geometry?.dispose();
-        object.skeleton?.dispose();
-        object.material?.dispose();
-      });
-      this.mixer.stopAllAction();
-    }
-    this.model = gltf.scene;
-    this.scene.add(this.model);
+    this.detail = this.action = null;
     this.roots = new Map();
     this.nodes = new Map();
     this.helpers = [];
+    if (!this.model) return;
+    this.mixer.stopAllAction();
+    this.scene.remove(this.model);
+    this.model.traverse((object) => {
+      object.geometry?.dispose();
+      object.skeleton?.dispose();
+      object.material?.dispose();
+    });
+    this.model = null;
+  }
+
+  async show(bytes) {
+    const gltf = await new GLTFLoader().parseAsync(bytes, "");
+    const isFirst = this.model === null;
+    this.clear();
+    this.model = gltf.scene;
+    this.scene.add(this.model);
     this.model.traverse((object) => {
       object.frustumCulled = false;
       const { performer: who, name } = object.userData;
@@ -150,6 +155,7 @@ export class Viewer {
   // Looks at the creatures; where nothing forces it, only when their size has become another, and
   // from where they were seen.
   fit(isForced = true) {
+    this.model.updateMatrixWorld(true);
     const box = this.onTheSpot ? new THREE.Box3().setFromObject(this.model) : this.bounds();
     if (box.isEmpty()) return;
     const middle = box.getCenter(new THREE.Vector3());

@@ -1,9 +1,10 @@
-// The text of a scene, with the schema's keys to complete and to read about, and its mistakes marked.
+// A YAML text, with the schema's keys to complete and to read about, and its mistakes marked.
 
 import { autocompletion } from "@codemirror/autocomplete";
 import { indentWithTab } from "@codemirror/commands";
 import { yaml } from "@codemirror/lang-yaml";
 import { lintGutter, setDiagnostics } from "@codemirror/lint";
+import { EditorState } from "@codemirror/state";
 import { hoverTooltip, keymap } from "@codemirror/view";
 import { basicSetup, EditorView } from "codemirror";
 
@@ -28,17 +29,18 @@ function completions(places, text, from, to) {
   if (!place.isKey) {
     for (const [label, info] of places.values(parts)) options.push({ label, type: "constant", info });
     if (parts.some((part) => part.type === "string" && !part.enum)) {
-      for (const label of ownNames(place.plain)) options.push({ label, type: "variable", info: "of this scene" });
+      for (const label of ownNames(place.plain)) options.push({ label, type: "variable", info: "of this file" });
     }
   }
   return options;
 }
 
-// Names that a scene gives: its cast, and what it defines.
+// Names that a scene gives, its cast and what it defines, or the nodes of a figure.
 function ownNames(plain) {
   const cast = (Array.isArray(plain?.cast) ? plain.cast : []).map((member) => member?.name);
   const defined = ["figures", "dances", "materials", "moods", "places"].flatMap((key) => Object.keys(plain?.[key] ?? {}));
-  return new Set([...cast, ...defined].filter((name) => typeof name === "string"));
+  const nodes = Object.keys(plain?.figure?.nodes ?? {});
+  return new Set([...cast, ...defined, ...nodes].filter((name) => typeof name === "string"));
 }
 
 export function textEditor(parent, schema, changed) {
@@ -70,29 +72,38 @@ export function textEditor(parent, schema, changed) {
     dom.style.cssText = "max-width: 420px; padding: 4px 8px";
     return { pos: from, create: () => ({ dom }) };
   });
-  const view = new EditorView({
-    parent,
-    extensions: [
-      basicSetup,
-      keymap.of([indentWithTab]),
-      yaml(),
-      lintGutter(),
-      autocompletion({ override: [complete] }),
-      help,
-      draggedValues,
-      EditorView.updateListener.of((update) => update.docChanged && changed()),
-      EditorView.theme({ "&": { fontSize: "13px" }, ".cm-scroller": { fontFamily: "ui-monospace, monospace" } }),
-    ],
-  });
+  const extensions = [
+    basicSetup,
+    keymap.of([indentWithTab]),
+    yaml(),
+    lintGutter(),
+    autocompletion({ override: [complete] }),
+    help,
+    draggedValues,
+    EditorView.updateListener.of((update) => update.docChanged && changed()),
+    EditorView.theme({ "&": { fontSize: "13px" }, ".cm-scroller": { fontFamily: "ui-monospace, monospace" } }),
+  ];
+  const view = new EditorView({ parent, extensions });
   return {
     view,
     get text() {
       return view.state.doc.sliceString(0, undefined, lineEnd);
     },
+    // Begins with another text, before which nothing can be undone.
     set text(value) {
       // The editor knows one kind of line end; the file keeps its own.
       lineEnd = value.includes("\r\n") ? "\r\n" : "\n";
-      view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
+      view.setState(EditorState.create({ doc: value, extensions }));
+      changed();
+    },
+    // Replaces what differs, so that the cursor stays and it can be undone.
+    write(value) {
+      const [before, after] = [view.state.doc, view.state.toText(value)].map(String);
+      let from = 0;
+      while (from < before.length && before[from] === after[from]) from++;
+      let [to, end] = [before.length, after.length];
+      while (to > from && end > from && before[to - 1] === after[end - 1]) to--, end--;
+      if (from < to || from < end) view.dispatch({ changes: { from, to, insert: after.slice(from, end) } });
     },
     get viewText() {
       return view.state.doc.toString();

@@ -12,6 +12,7 @@ for bone and horn; Schulson and Duval 2009 for ice; Das 2011 for soils under sma
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from audio.body_shape import BodyShape, ShapeKind
 from audio.mode_shapes import BAR, BELL, MEMBRANE, PLATE, SHELL, ModeShape
@@ -223,6 +224,7 @@ def family_of(material: str) -> MaterialFamily:
     return FAMILIES[family_name(material)]
 
 
+@lru_cache(maxsize=1024)
 def family_name(material: str) -> str:
     """Return the family of the last known word of a material's name, or wood.
 
@@ -234,6 +236,7 @@ def family_name(material: str) -> str:
     return known[-1] if known else DEFAULT_FAMILY
 
 
+@lru_cache(maxsize=1024)
 def solid_name(material: str) -> str:
     """Return the row of `SOLIDS` of a material: the last word that has one, or its family."""
     words = normalized_name(material).split()
@@ -260,6 +263,7 @@ def shape_in_material(material: str, shape: BodyShape) -> BodyShape:
     return BodyShape("vessel", diameter, height, usual.thickness * diameter)
 
 
+@lru_cache(maxsize=1024)
 def usual_shape(material: str, size: float) -> BodyShape:
     """Return the shape of a body of which only material and size [m] are known."""
     name = solid_name(material)

@@ -15,7 +15,16 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfftfreq
 
 from audio.bubbles import bubble
-from audio.dsp import Signal, band_response, convolve, pan_gains, upsampled, without_rumble
+from audio.dsp import (
+    Signal,
+    band_response,
+    convolve,
+    mix_in,
+    pan_gains,
+    silence,
+    upsampled,
+    without_rumble,
+)
 from audio.loudness_meter import integrated_loudness
 from audio.time_grid import SAMPLE_RATE
 
@@ -89,9 +98,12 @@ USUAL_LUFS = -16.0
 CONTROL_RATE = 50
 """Values of slow changes a second."""
 
+# Share of the time in which a cricket is heard.
+CHIRP = 0.28
+
 # Samples after which a noise repeats, and the level below its strongest frequency of what is left
 # out of it.
-_PERIOD, _INAUDIBLE = 2**22, 1e-4
+_PERIOD, _INAUDIBLE = 2**22, 1e-3
 
 
 def ambient_sound(
@@ -105,7 +117,7 @@ def ambient_sound(
         seed: of the scene.
         target_lufs: loudness that the track is meant to have [LUFS].
     """
-    bed = np.zeros((samples, 2))
+    bed = silence(samples)
     gusts = _slow(samples, 0.16, 4.0, np.random.default_rng([seed, 70]))
     for number, (name, make) in enumerate(_LAYERS.items()):
         amount = ambience.layers.get(name, 0.0)
@@ -156,17 +168,18 @@ def _noise(
         slope: power of the frequency by which its amplitude falls.
     """
     size = min(next_fast_len(max(samples, 2), real=True), _PERIOD)
-    frequency = rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
-    shape = band_response(frequency, band) * np.maximum(frequency, band[0]) ** -slope
     # Single precision, random numbers for audible frequencies alone: they take most of the time.
+    frequency = rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float32)
+    shape = band_response(frequency, band) * np.maximum(frequency, np.float32(band[0])) ** -slope
     heard = int(np.flatnonzero(shape > _INAUDIBLE * shape.max())[-1]) + 1
     spectrum = np.zeros((2, frequency.size), np.complex64)
-    random = rng.standard_normal((2, heard, 2), np.float32).view(np.complex64)[:, :, 0]
+    # Even ones, drawn faster than normal ones: so many of them add up to normal samples.
+    random = (rng.random((2, heard, 2), np.float32) - 0.5).view(np.complex64)[:, :, 0]
     # As white noise of RMS 1 would be filtered.
-    spectrum[:, :heard] = random * (np.sqrt(size / 2) * shape[:heard]).astype(np.float32)
+    spectrum[:, :heard] = random * (np.sqrt(6 * size) * shape[:heard]).astype(np.float32)
     left, right = irfft(spectrum, size)
     # Part of it is the same on both sides: a place is around, not at two ears.
-    noise = np.empty((samples, 2))
+    noise = silence(samples)
     noise[:, 0] = np.resize(1.1 * left + 0.3 * right, samples)
     noise[:, 1] = np.resize(0.3 * left + 1.1 * right, samples)
     return noise
@@ -175,7 +188,9 @@ def _noise(
 def _wind(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     body = _noise(samples, (90.0, 420.0), rng, 0.6)
     whistle = _noise(samples, (500.0, 1100.0), rng, 0.5)
-    return body * gusts[:, None] + 9.0 * whistle * (gusts**2)[:, None]
+    body *= gusts[:, None]
+    whistle *= (9.0 * gusts * gusts)[:, None]
+    return body + whistle
 
 
 def _leaves(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
@@ -197,13 +212,12 @@ def _scattered(
         make: returns one of them (N,).
         rng: of all that is random.
     """
-    out = np.zeros((samples, 2))
+    out = silence(samples)
     for _ in range(max(int(rng.poisson(rate * samples / SAMPLE_RATE)), 1)):
         sound = make(rng) * rng.uniform(0.12, 1.0) ** 1.5
         start = int(rng.integers(0, max(samples - sound.size, 1)))
         left, right = pan_gains(rng.uniform(-0.85, 0.85))
-        part = sound[: samples - start]
-        out[start : start + part.size] += part[:, None] * [left, right]
+        mix_in(out, start, sound, (left, right))
     return out
 
 
@@ -233,18 +247,21 @@ def _birds(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
 
 
 def _crickets(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
-    t = np.arange(samples) / SAMPLE_RATE
-    out = np.zeros((samples, 2))
+    out = silence(samples)
     for _ in range(5):
-        pitch, chirps = rng.uniform(3900.0, 4800.0), rng.uniform(1.6, 2.9)
-        beat = (t * chirps + rng.uniform()) % 1.0
-        chirp = np.flatnonzero(beat < 0.28)
-        # Three strokes of the wings in each chirp.
-        strokes = np.sin(3.0 * np.pi / 0.28 * beat[chirp]) ** 2
-        song = np.sin(2.0 * np.pi * pitch * t[chirp]) * strokes
-        song *= _slow(samples, 0.1, 3.0, rng)[chirp]
-        left, right = pan_gains(rng.uniform(-0.9, 0.9))
-        out[chirp] += song[:, None] * [left, right] * rng.uniform(0.2, 1.0)
+        pitch, chirps = rng.uniform(3900.0, 4800.0), rng.uniform(1.6, 2.9) / SAMPLE_RATE
+        begun, strength = rng.uniform(), _slow(samples, 0.1, 3.0, rng)
+        sides = np.array(pan_gains(rng.uniform(-0.9, 0.9))) * rng.uniform(0.2, 1.0)
+        # Three strokes of the wings in each chirp, all of which are alike.
+        length = int(CHIRP / chirps)
+        t = np.arange(length)
+        song = np.sin(2.0 * np.pi * pitch / SAMPLE_RATE * t)
+        song *= np.sin(3.0 * np.pi / CHIRP * chirps * t) ** 2
+        for start in ((np.arange(begun + samples * chirps) - begun) / chirps).tolist():
+            first = max(round(start), 0)
+            chirp = song[max(-round(start), 0) :]
+            if first < samples:
+                mix_in(out, first, chirp, tuple(sides * strength[first]))
     return out
 
 
@@ -252,20 +269,20 @@ def _rain(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     wash = _noise(samples, (900.0, 8500.0), rng, 0.35)
     wash /= np.sqrt(np.mean(wash**2))
     t = np.arange(round(0.004 * SAMPLE_RATE)) / SAMPLE_RATE
-    drops = np.zeros((samples + t.size, 2))
+    drops = silence(samples)
     for pitch in (1400.0, 2300.0, 3600.0, 5200.0):
         drop = np.cos(2.0 * np.pi * pitch * t) * np.exp(-t / 0.0008)
         drop -= drop.mean()
         for side in range(2):
             count = int(rng.poisson(55.0 * samples / SAMPLE_RATE))
             strength = np.minimum(rng.exponential(1.0, count), 2.5)
-            for start, level in zip(
-                rng.integers(0, samples, count).tolist(), strength, strict=True
-            ):
-                drops[start : start + t.size, side] += level * drop
-    drops = drops[:samples]
-    drops /= max(float(np.sqrt(np.mean(drops**2))), 1e-12)
-    return (wash + 0.8 * drops) * (gusts**0.4)[:, None]
+            places = rng.integers(0, samples, count)[:, None] + np.arange(t.size)
+            levels = np.outer(strength, drop)
+            drops[:, side] += np.bincount(places.ravel(), levels.ravel(), samples)[:samples]
+    drops *= 0.8 / max(float(np.sqrt(np.mean(drops**2))), 1e-12)
+    wash += drops
+    wash *= (gusts**0.4)[:, None]
+    return wash
 
 
 def _surf(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:

@@ -108,7 +108,7 @@ def _envelope(profile: SpeedProfile, exponent: float, peak: float) -> Signal:
         return arch(profile.samples, peak)
     edge = np.arange(profile.samples) + 1.0
     ends = np.minimum(1, np.minimum(edge / _ATTACK, edge[::-1] / (2 * _ATTACK)))
-    return np.asarray(ends * profile.relative_speed**exponent)
+    return np.asarray(ends * profile.raised(exponent))
 
 
 def _swoosh(motion: Motion, body: Signal, rng: np.random.Generator) -> Signal:

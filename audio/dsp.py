@@ -30,13 +30,13 @@ SINGLE_THREAD_SIZE = 2**17
 The bits must not depend on the number of threads, and small products are faster without them.
 """
 
-_MIN_FFT_SIZE = 1 << 14
+_MIN_FFT_SIZE = 1 << 12
 # Below 30 Hz loudspeakers move and nobody hears.
 _RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE)
 # Samples of a noise that is shared.
 _SHARED_NOISE = 2**17
-# Duration of the click of an impact on loose ground, of a grain, and of a grain's decay [s].
-_CRUNCH_DECAY, _GRAIN_LENGTH, _GRAIN_DECAY = 0.003, 0.006, 0.0012
+# Decay of the click of an impact on loose ground, and that of a grain [s].
+_CRUNCH_DECAY, _GRAIN_DECAY = 0.003, 0.0012
 
 
 def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator) -> Signal:
@@ -49,8 +49,9 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
     """
     # A power of two, since FFTs of prime lengths are slow.
     size = 1 << max(int(samples - 1).bit_length(), 6)
-    spectrum = np.fft.rfft(rng.standard_normal(size))
     f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
+    # Even numbers, drawn faster than normal ones, add up to normal samples.
+    spectrum = (rng.random((f.size, 2)) - 0.5).view(np.complex128)[:, 0]
     noise = np.fft.irfft(spectrum * band_response(f, band), size)[:samples]
     return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
 
@@ -58,6 +59,7 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
 def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generator) -> Signal:
     """Return a stretch of a noise that all sounds of a band share, RMS about 1: (samples,).
 
+    Nobody may change it.
     It starts anywhere in the noise, which goes around, so that no two stretches are alike.
 
     Args:
@@ -65,14 +67,41 @@ def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generat
         band: lower and upper edge [Hz].
         rng: of the start.
     """
-    noise = _noise_of_band(band)
+    noise = _noise_of_band(band, _SHARED_NOISE)
     start = int(rng.integers(noise.size))
+    if start + samples <= noise.size:
+        return noise[start : start + samples]
     return np.resize(np.concatenate((noise[start:], noise[:start])), samples)
 
 
+def noise_at_rate(band: tuple[float, float], rate: Signal, rng: np.random.Generator) -> Signal:
+    """Return a noise that all sounds of a band share, read at a varying rate, RMS about 1: (N,).
+
+    Args:
+        band: lower and upper edge at a rate of 1 [Hz].
+        rate: (N,) of the reading; not negative.
+        rng: of the start.
+    """
+    # Twice as many samples as it has at a rate of 1: lines between them are smooth enough.
+    noise = _noise_of_band((band[0] / 2, band[1] / 2), 2 * _SHARED_NOISE)
+    position = np.cumsum(rate)
+    position *= 2.0
+    position += rng.random() * noise.size
+    i = position.astype(np.int64)
+    share = position - i
+    here = noise.take(i, mode="wrap")
+    there = noise.take(i + 1, mode="wrap")
+    there -= here
+    there *= share
+    there += here
+    return there
+
+
 @lru_cache(maxsize=32)
-def _noise_of_band(band: tuple[float, float]) -> Signal:
-    return band_noise(_SHARED_NOISE, band, seeded("noise", *band))
+def _noise_of_band(band: tuple[float, float], samples: int) -> Signal:
+    noise = band_noise(samples, band, seeded("noise", *band))
+    noise.setflags(write=False)
+    return noise
 
 
 def band_response(frequency: Signal, band: tuple[float, float]) -> Signal:
@@ -99,18 +128,19 @@ def grain_noise(
         rng: of grains and noise.
     """
     samples = max(int(decay * SAMPLE_RATE), 64)
-    t = np.arange(samples) / SAMPLE_RATE
-    fall = np.exp(-SILENCE_EXPONENT * t / decay)
-    noise = band_noise(samples, band, rng)
-    envelope = np.exp(-t / _CRUNCH_DECAY)
-    if rate > 0:
-        envelope += fall * _bursts(samples, rate, rng)
-    else:
-        envelope += 0.6 * fall
+    crunch, fall = (_decay(samples, time) for time in (_CRUNCH_DECAY, decay / SILENCE_EXPONENT))
+    noise = shared_noise(samples, band, rng)
+    envelope = crunch + fall * (_bursts(samples, rate, rng) if rate > 0 else 0.6)
     sound = noise * envelope
     # The onset must be audible at its sample, whatever the noise does there.
     sound[0] = np.copysign(max(abs(sound[0]), 0.3), sound[0])
     return without_offset(sound, envelope)
+
+
+@lru_cache(maxsize=32)
+def _decay(samples: int, seconds: float) -> Signal:
+    """Return a decay to 1/e in a time [s]: (samples,)."""
+    return np.asarray(np.exp(np.arange(samples) / (-seconds * SAMPLE_RATE)))
 
 
 def _bursts(samples: int, rate: float, rng: np.random.Generator) -> Signal:
@@ -120,8 +150,7 @@ def _bursts(samples: int, rate: float, rng: np.random.Generator) -> Signal:
     strengths = rng.exponential(1.0, count)
     impulses = np.zeros(samples)
     np.add.at(impulses, starts, strengths)
-    t = np.arange(int(_GRAIN_LENGTH * SAMPLE_RATE)) / SAMPLE_RATE
-    return np.convolve(impulses, np.exp(-t / _GRAIN_DECAY))[:samples]
+    return np.asarray(lfilter([1.0], [1.0, -np.exp(-1 / (_GRAIN_DECAY * SAMPLE_RATE))], impulses))
 
 
 def without_offset(sound: Signal, envelope: Signal) -> Signal:
@@ -136,23 +165,25 @@ def normalized(sound: Signal) -> Signal:
 
 
 def convolve(sound: Signal, response: Signal) -> Signal:
-    """Return a sound convolved with an impulse response, as long as the sound: (N,).
+    """Return a sound convolved with impulse responses, as long as the sound: (..., N).
 
     Overlap-add; blocks of silence are skipped and stay exactly silent.
 
     Args:
         sound: (N,).
-        response: (K,).
+        response: (..., K).
     """
-    size = max(_MIN_FFT_SIZE, 1 << (4 * response.size - 1).bit_length())
-    step = size - response.size + 1
+    taps = response.shape[-1]
+    size = max(_MIN_FFT_SIZE, 1 << (4 * taps - 1).bit_length())
+    step = size - taps + 1
     spectrum = np.fft.rfft(response, size)
-    whole = np.zeros(sound.size + size)
+    whole = np.zeros((*response.shape[:-1], sound.size + size))
     for start in range(0, sound.size, step):
         block = sound[start : start + step]
         if block.any():
-            whole[start : start + size] += np.fft.irfft(np.fft.rfft(block, size) * spectrum, size)
-    return whole[: sound.size]
+            heard = np.fft.irfft(np.fft.rfft(block, size) * spectrum, size)
+            whole[..., start : start + size] += heard
+    return whole[..., : sound.size]
 
 
 def resample(sound: Signal, rate: Signal) -> Signal:
@@ -197,6 +228,11 @@ def pan_gains(pan: float) -> tuple[float, float]:
     angle = (pan + 1) * pi / 4
     # cos(π/2) is 6e-17, which would keep the far side from being silent.
     return max(cos(angle), 0.0) * (pan < 1), max(sin(angle), 0.0) * (pan > -1)
+
+
+def silence(samples: int, channels: int = 2) -> Signal:
+    """Return silence, (samples, channels), with each channel in one piece."""
+    return np.zeros((channels, samples)).T
 
 
 def mix_in(mix: Signal, start: int, sound: Signal, gains: Sequence[Gain]) -> None:

@@ -12,14 +12,14 @@ Turchet et al. 2010 for heel and toe and the materials.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from audio.acoustic_materials import family_name, family_of, solid_of
 from audio.bubbles import bubble
-from audio.dsp import Signal, band_noise, convolve, normalized
-from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
+from audio.dsp import Signal, band_noise, convolve, normalized, shared_noise
+from audio.impact_contact import contact_seconds
 from audio.modal_bank import ring
 from audio.modal_synthesis import excited_modes
 from audio.time_grid import SAMPLE_RATE
@@ -55,6 +55,9 @@ TAIL = 0.14
 
 SLAP = 2048
 """Samples of the slap of a sole, which has fallen by 100 dB then."""
+
+SLAP_FALL = np.exp(-np.arange(SLAP) / (0.0035 * SAMPLE_RATE))
+"""Level of the slap at each of them."""
 
 BUBBLES = 7
 """Number of them under a foot in water."""
@@ -241,7 +244,7 @@ def _struck(
         samples = round(0.055 * stage.spread * SAMPLE_RATE)
         swell = np.sin(np.pi * np.arange(samples) / samples) ** 2
         low, high = ground.grain_band
-        return normalized(band_noise(samples, (0.6 * low, high), rng) * swell)
+        return normalized(shared_noise(samples, (0.6 * low, high), rng) * swell)
     solids, long = (solid_of(material), solid_of(surface)), size / LEG
     mass, radius = LEG_MASS * long**3, HEEL_RADIUS * long * rng.uniform(0.6, 1.5)
     seconds = contact_seconds(solids, radius, mass, max(speed, 0.1)) / stage.spread
@@ -265,11 +268,10 @@ def _struck(
         bank = excited_modes(
             family.shape, pitch, solid.loss, damping, family.tilt, rng.uniform(), rng
         )
-        heard = bank.amplitude * contact_attenuation(bank.frequency, seconds)
-        rung = ring(replace(bank, amplitude=heard), samples, force_pulse(seconds))
+        rung = ring([bank.struck(seconds)], samples, seconds)
         sound += level * normalized(rung)
     # Sole and floor meet at many points, not at one.
-    slap = band_noise(SLAP, (500.0, max(2.0 / seconds, 1800.0)), rng)
-    slap *= np.exp(-np.arange(SLAP) / (0.0035 * SAMPLE_RATE))
+    highest = 2.0 ** (round(2.0 * np.log2(max(2.0 / seconds, 1800.0))) / 2.0)
+    slap = shared_noise(SLAP, (500.0, highest), rng) * SLAP_FALL
     sound[:SLAP] += rng.uniform(0.5, 0.9) * normalized(slap)
     return normalized(sound)

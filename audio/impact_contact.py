@@ -5,6 +5,8 @@ Source: Hertz 1881; Johnson 1985, 11.4, for the duration of an elastic impact.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from audio.acoustic_materials import Solid
@@ -29,14 +31,17 @@ def contact_seconds(solids: tuple[Solid, Solid], radius: float, mass: float, spe
     """
     compliance = sum((1 - solid.poisson**2) / solid.young for solid in solids)
     seconds = 2.87 * (mass**2 * compliance**2 / (radius * speed)) ** 0.2
-    return float(np.clip(seconds, _SHORTEST, _LONGEST))
+    return min(max(seconds, _SHORTEST), _LONGEST)
 
 
+@lru_cache(maxsize=128)
 def force_pulse(seconds: float) -> Signal:
     """Return a half-sine force of unit impulse, its mean over each sample: (N,)."""
-    length = min(seconds, _MAX_CONTACT) * SAMPLE_RATE
+    length = max(min(seconds, _MAX_CONTACT) * SAMPLE_RATE, 1.0)
     edges = np.minimum(np.arange(int(np.ceil(length)) + 1) / length, 1.0)
-    return np.asarray(-0.5 * np.diff(np.cos(np.pi * edges)))
+    force = np.asarray(-0.5 * np.diff(np.cos(np.pi * edges)))
+    force.setflags(write=False)
+    return force
 
 
 def contact_attenuation(frequency: Signal, seconds: float) -> Signal:

@@ -42,9 +42,13 @@ def integrated_loudness(stereo: Signal) -> float:
 
 def _gated_loudness(stereo: Signal) -> float:
     hops = max(round((stereo.shape[0] / _BLOCK - 1) * _HOPS), 0) + _HOPS
-    heard = np.zeros((hops * _BLOCK // _HOPS, stereo.shape[1]))
-    heard[: stereo.shape[0]] = lfilter(*_weighting(), stereo[: len(heard)], axis=0)
-    energy = (heard**2).reshape(hops, -1).sum(axis=1)
+    samples = hops * _BLOCK // _HOPS
+    energy = np.zeros(hops)
+    for side in stereo.T:
+        heard = np.zeros(samples)
+        heard[: side.size] = lfilter(*_weighting(), side[:samples])
+        steps = heard.reshape(hops, -1)
+        energy += np.einsum("ij,ij->i", steps, steps)
     power = np.convolve(energy, np.ones(_HOPS), "valid") / _BLOCK
     power = power[power > _power(_LEAST)]
     if not power.size:

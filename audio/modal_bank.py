@@ -1,5 +1,7 @@
 """Modal bank: a struck body as a sum of damped sinusoids, a e^{-d t} cos(2π f t + φ) each.
 
+What depends on the body alone is kept with its modes, so that its next ring costs little.
+
 Source: van den Doel and Pai 1998.
 """
 
@@ -7,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
+from audio.impact_contact import contact_attenuation, force_pulse
 from audio.time_grid import SAMPLE_RATE
 
 Phasors = NDArray[np.complex128]
@@ -24,8 +28,72 @@ _FIRST_STRETCH = 8
 _ROW = 16
 # What lies below this share of all modes at the impact is left out: -110 dB.
 _INAUDIBLE = 3e-6
-# A force of one sample.
-_TAP = np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes of one body, those that ring longest first.
+
+    Attributes:
+        frequency: (M,) [Hz].
+        decay: (M,) [1/s], ascending.
+    """
+
+    frequency: Signal
+    decay: Signal
+
+    @cached_property
+    def lowest(self) -> float:
+        """Lowest frequency [Hz]."""
+        return float(self.frequency.min(initial=np.inf))
+
+    @cached_property
+    def exponent(self) -> Phasors:
+        """Logarithm of the factor of each mode from sample to sample: (M,)."""
+        return np.asarray((-self.decay + 2j * np.pi * self.frequency) / SAMPLE_RATE)
+
+    @cached_property
+    def rotor(self) -> Phasors:
+        """Phase of each mode at the impact, of magnitude 1 and with a positive real part: (M,).
+
+        It makes the sum of all samples of a mode zero: no mode leaves a constant pressure. With
+        z = e^{(-d + 2πi f) / r} that sum is Re(e^{iφ} / (1 - z)), so φ is 90° from the angle of
+        1 - z; of the two the one that starts upward is taken.
+        """
+        rotor = 1j * np.exp(1j * np.angle(1 - np.exp(self.exponent)))
+        return np.asarray(np.where(rotor.real < 0, -rotor, rotor))
+
+    @cached_property
+    def powers(self) -> Phasors:
+        """e^{x n} for n from 0 to a block, of the exponents x: (M, _BLOCK)."""
+        coarse = np.exp(np.outer(self.exponent, np.arange(_BLOCK // _ROW) * _ROW))
+        fine = np.exp(np.outer(self.exponent, np.arange(_ROW)))
+        return np.asarray((coarse[:, :, None] * fine[:, None, :]).reshape(-1, _BLOCK))
+
+    @cached_property
+    def rows(self) -> Signal:
+        """Real part and negative imaginary part of the powers of each mode: (2 M, _BLOCK)."""
+        parts = np.stack((self.powers.real, -self.powers.imag), axis=1)
+        return np.ascontiguousarray(parts.reshape(-1, _BLOCK))
+
+    def excited(self, contact: float) -> tuple[Signal, Phasors, Phasors]:
+        """Return what a contact of a duration [s] makes of modes of amplitude 1.
+
+        Returns:
+            (M,) what is left of them of what is longer than the longest force; (M, K) their
+            samples under the force, as the real part; (M,) the impulse after it.
+        """
+        if contact not in self._excited:
+            force = force_pulse(contact)
+            powers = self.powers[:, : force.size]
+            under = np.stack([np.convolve(row, force)[: force.size] for row in powers])
+            left = contact_attenuation(self.frequency, contact)
+            self._excited[contact] = left, under, np.asarray((1 / powers) @ force)
+        return self._excited[contact]
+
+    @cached_property
+    def _excited(self) -> dict[float, tuple[Signal, Phasors, Phasors]]:
+        return {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,109 +101,121 @@ class ModalBank:
     """Excited modes of one body.
 
     Attributes:
-        frequency: (M,) [Hz].
-        decay: (M,) [1/s].
+        modes: of the body.
         amplitude: (M,).
     """
 
-    frequency: Signal
-    decay: Signal
+    modes: Modes
     amplitude: Signal
+
+    @property
+    def frequency(self) -> Signal:
+        """Frequencies of the modes: (M,) [Hz]."""
+        return self.modes.frequency
 
     @property
     def seconds(self) -> float:
         """Time in which the last mode falls by 60 dB."""
-        return float(np.max(SILENCE_EXPONENT / self.decay, initial=0.0))
-
-    @property
-    def exponent(self) -> Phasors:
-        """Logarithm of the factor of each mode from sample to sample: (M,)."""
-        return np.asarray((-self.decay + 2j * np.pi * self.frequency) / SAMPLE_RATE)
+        decay = self.modes.decay
+        return SILENCE_EXPONENT / float(decay[0]) if decay.size else 0.0
 
     @property
     def start(self) -> Phasors:
         """Each mode at the impact, its first sample as the real part: (M,)."""
-        rotor = 1j * np.exp(1j * np.angle(1 - np.exp(self.exponent)))
-        return np.asarray(self.amplitude * np.where(rotor.real < 0, -rotor, rotor))
+        return np.asarray(self.amplitude * self.modes.rotor)
 
     def with_decay_time(self, seconds: float) -> ModalBank:
         """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
-        if self.decay.size == 0:
-            return self
-        return ModalBank(self.frequency, self.decay * (self.seconds / seconds), self.amplitude)
+        decay = self.modes.decay * (self.seconds / seconds)
+        return ModalBank(Modes(self.frequency, decay), self.amplitude)
+
+    def struck(self, contact: float) -> ModalBank:
+        """Return the bank weakened by all of a contact of a duration [s] but its force pulse."""
+        return self.scaled(self.modes.excited(contact)[0])
 
     def scaled(self, factor: Signal | float) -> ModalBank:
         """Return the bank with its amplitudes times a factor, (M,) or one for all."""
-        return ModalBank(self.frequency, self.decay, self.amplitude * factor)
+        return ModalBank(self.modes, self.amplitude * factor)
 
-    @property
-    def audible_seconds(self) -> Signal:
-        """Times after which each mode is too weak to be heard beside the impact: (M,) [s]."""
-        level = np.abs(self.amplitude)
-        share = level / max(float(level.sum()) * _INAUDIBLE / max(level.size, 1), 1e-300)
-        return np.asarray(np.log(np.maximum(share, 1.0)) / self.decay)
+    def audible_seconds(self, floor: float) -> Signal:
+        """Return the times after which each mode is weaker than a level: (M,) [s]."""
+        share = np.abs(self.amplitude) / max(floor, 1e-300)
+        return np.asarray(np.log(np.maximum(share, 1.0)) / self.modes.decay)
 
 
-def joined(banks: Sequence[ModalBank]) -> ModalBank:
-    """Return the modes of several bodies that ring at once."""
-    parts = ((bank.frequency, bank.decay, bank.amplitude) for bank in banks)
-    return ModalBank(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-
-
-def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
-    """Return the sum of a bank's modes from the impact on: (samples,).
-
-    The phase makes the sum of all samples of a mode zero: no mode leaves a constant pressure.
-    With z = e^{(-d + 2πi f) / r} that sum is Re(e^{iφ} / (1 - z)), so φ is 90° from the angle of
-    1 - z; of the two the one that starts upward is taken.
-
-    A force of K samples excites each mode as one impulse of the factor Σ p_k z^{-k} does, once it
-    is over. A mode is left out as soon as it is inaudible.
+def bank_of(frequency: Signal, decay: Signal, amplitude: Signal) -> ModalBank:
+    """Return a bank of modes in any order.
 
     Args:
-        bank: of the body.
-        samples: length of the ring.
-        force: (K,) of the contact, in shares of its impulse.
+        frequency: (M,) [Hz].
+        decay: (M,) [1/s].
+        amplitude: (M,).
     """
-    whole = np.zeros(samples)
-    if bank.frequency.size == 0 or samples == 0:
-        return whole
-    exponent = bank.exponent
-    start = bank.start
-    fine = _powers(exponent)
-    head = np.convolve((start @ fine[:, : force.size]).real, force)[: force.size]
-    start = start * ((1 / fine[:, : force.size]) @ force)
-    # The modes that are heard longest first.
-    heard = bank.audible_seconds * SAMPLE_RATE
-    order = np.argsort(-heard, kind="stable")
-    last = min(-(-samples // _BLOCK), int(heard.max()) // _BLOCK + 1)
-    first, step = 0, _FIRST_STRETCH
-    while first < last:
-        modes = order[: max(np.count_nonzero(heard >= first * _BLOCK), 1)]
-        end = min(first + step, last)
-        rung = _blocks(exponent[modes], start[modes], fine[modes], np.arange(float(first), end))
-        part = whole[first * _BLOCK : end * _BLOCK]
-        part[:] = rung[: part.size]
-        first, step = end, end
-    whole[: head.size] = head[:samples]
-    return whole
+    order = np.argsort(decay, kind="stable")
+    return ModalBank(Modes(frequency[order], decay[order]), amplitude[order])
 
 
-def _powers(exponent: Phasors) -> Phasors:
-    """Return e^{x n} for n from 0 to a block: (M, _BLOCK)."""
-    coarse = np.exp(np.outer(exponent, np.arange(_BLOCK // _ROW) * _ROW))
-    fine = np.exp(np.outer(exponent, np.arange(_ROW)))
-    return np.asarray((coarse[:, :, None] * fine[:, None, :]).reshape(exponent.size, _BLOCK))
+def audible_seconds(banks: Sequence[ModalBank]) -> float:
+    """Return the time after which no mode of bodies that ring at once is heard [s]."""
+    floor = _inaudible(banks)
+    return max(float(bank.audible_seconds(floor).max(initial=0.0)) for bank in banks)
 
 
-def _blocks(exponent: Phasors, start: Phasors, fine: Phasors, blocks: Signal) -> Signal:
-    """Return blocks of a sum of modes, one after the other: (N,).
+def _inaudible(banks: Sequence[ModalBank]) -> float:
+    """Return the level below which a mode is not heard beside all others."""
+    whole = sum(float(np.abs(bank.amplitude).sum()) for bank in banks)
+    return whole * _INAUDIBLE / max(sum(bank.amplitude.size for bank in banks), 1)
+
+
+def ring(banks: Sequence[ModalBank], samples: int, contact: float = 0.0) -> Signal:
+    """Return the sum of the modes of bodies that ring at once, from the impact on: (samples,).
+
+    A force p of K samples excites each mode as one impulse of the factor Σ p_k z^{-k} does, once
+    it is over. A mode is left out as soon as it is inaudible.
+
+    Args:
+        banks: of the bodies.
+        samples: length of the ring.
+        contact: its duration [s]; that of an impulse is 0.
+    """
+    # Whole blocks.
+    whole = np.zeros(-(-samples // _BLOCK) * _BLOCK)
+    head = np.zeros(min(force_pulse(contact).size, samples))
+    floor = _inaudible(banks)
+    for bank in banks:
+        if bank.amplitude.size and samples:
+            start = bank.start
+            _, under, impulse = bank.modes.excited(contact)
+            head += (start @ under[:, : head.size]).real
+            _add_blocks(whole, bank, start * impulse, floor)
+    whole[: head.size] = head
+    return whole[:samples]
+
+
+def _add_blocks(whole: Signal, bank: ModalBank, start: Phasors, floor: float) -> None:
+    """Add the modes of a bank, as far as they are heard.
 
     e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.
+
+    Args:
+        whole: whole blocks, changed.
+        bank: of the body.
+        start: (M,) of its modes.
+        floor: level below which they are not heard.
     """
-    rows = max(SINGLE_THREAD_SIZE // (2 * exponent.size * _BLOCK), 1)
-    coarse = np.exp(np.outer(blocks * _BLOCK, exponent)) * start
-    left = np.concatenate((coarse.real, -coarse.imag), axis=1)
-    right = np.concatenate((fine.real, fine.imag), axis=0)
-    parts = [left[i : i + rows] @ right for i in range(0, len(left), rows)]
-    return np.concatenate(parts).reshape(-1)
+    heard = bank.audible_seconds(floor) * (SAMPLE_RATE / _BLOCK)
+    last = min(whole.size // _BLOCK, int(heard.max()) + 1)
+    first, step = 0, _FIRST_STRETCH
+    while first < last:
+        # The last of the modes that are heard, all before it ring longer.
+        modes = int(np.flatnonzero(heard >= first)[-1]) + 1
+        end = min(first + step, last)
+        # Products of few rows at once, whose sums no number of threads changes.
+        few = max(SINGLE_THREAD_SIZE // (2 * modes * _BLOCK), 1)
+        blocks = np.arange(float(first), end)[:, None] * _BLOCK
+        left = (np.exp(blocks * bank.modes.exponent[:modes]) * start[:modes]).view(np.float64)
+        for i in range(0, end - first, few):
+            part = left[i : i + few]
+            there = whole[(first + i) * _BLOCK : (first + i + len(part)) * _BLOCK]
+            there += (part @ bank.modes.rows[: 2 * modes]).reshape(-1)
+        first, step = end, end

@@ -11,14 +11,16 @@ Source: van den Doel and Pai 1998.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from audio.acoustic_materials import Solid
 from audio.body_shape import SIDES, STATIONS, BodyShape
 from audio.dsp import Signal
 from audio.elastic_modes import BodyModes, body_modes, membrane_modes
-from audio.modal_bank import ModalBank
+from audio.modal_bank import ModalBank, Modes, bank_of
 from audio.mode_shapes import ModeShape
 
 # Modes outside are inaudible, and would alias above half the sample rate [Hz].
@@ -88,7 +90,7 @@ def excited_modes(
         amplitude = signed
     decay = np.pi * frequency * friction + damping
     audible = (frequency < _MAX_FREQUENCY) & (frequency > _MIN_FREQUENCY)
-    return ModalBank(frequency[audible], decay[audible], amplitude[audible])
+    return bank_of(frequency[audible], decay[audible], amplitude[audible])
 
 
 def _signs(modes: int) -> Signal:
@@ -125,36 +127,94 @@ def body_bank(
         is_tuned: struck for its tone, where its lowest mode moves most.
         rng: of the point of impact, the side that faces the listener, and signs.
     """
-    modes = _modes(shape, solid)
-    omega = modes.omega * np.sqrt(solid.young / solid.density) / shape.length
-    struck, facing = rng.uniform(0, 1, 2)
-    jitter = rng.uniform(-_IMPACT.spot_jitter, _IMPACT.spot_jitter)
-    sides = rng.integers(0, SIDES, 2)
+    body = _sounding_body(shape, solid, damping)
+    struck, facing, *random = rng.random(5).tolist()
+    jitter = (2 * random[0] - 1) * _IMPACT.spot_jitter
+    sides = [int(SIDES * each) for each in random[1:]]
     if is_tuned:
         # A player strikes where the tone is.
-        lowest = modes.displacement[0]
-        station, sides[1] = np.unravel_index(int(lowest.argmax()), lowest.shape)
+        station, sides[1] = body.loudest
         spot, sides[0] = station / (STATIONS - 1), sides[1]
         facing = spot
     # A body vibrates towards the listener on average; one side of it more or less.
-    near = _about(modes, sides[0], facing)
-    excitation = _about(modes, sides[1], struck)
-    if spot is not None:
-        struck = min(max(spot + jitter, 0.0), 1.0)
-        excitation = _at(modes.displacement[:, :, sides[1]], struck)
+    near = body.about(sides[0], facing)
+    if spot is None:
+        excitation = body.about(sides[1], struck)
+    else:
+        excitation = body.at(sides[1], min(max(spot + jitter, 0.0), 1.0))
+    amplitude = body.gain.copy()
+    amplitude[:-1] *= excitation * near * rng.permutation(body.signs)
+    return ModalBank(body.modes, amplitude[body.order])
+
+
+@dataclass(frozen=True, eq=False)
+class _SoundingBody:
+    """What a body and its material make of all blows.
+
+    Attributes:
+        modes: that are audible, and the recoil of the whole body.
+        order: (M,) where they stand among the modes of the shape, N, and the recoil after them.
+        gain: (N + 1,) pressure at the listener for displacements of 1, and of the recoil.
+        displacement: (SIDES, STATIONS, N) of the modes.
+        half_mean_square: (N,) half the mean squares of the displacements.
+    """
+
+    modes: Modes
+    order: NDArray[np.intp]
+    gain: Signal
+    displacement: Signal
+    half_mean_square: Signal
+
+    @cached_property
+    def signs(self) -> Signal:
+        """Signs of the modes, to be dealt out: (N,)."""
+        return _signs(self.half_mean_square.size)
+
+    @cached_property
+    def loudest(self) -> tuple[int, int]:
+        """Station and side where the lowest mode moves most."""
+        lowest = self.displacement[:, :, 0]
+        station, side = np.unravel_index(int(lowest.T.argmax()), lowest.T.shape)
+        return int(station), int(side)
+
+    def at(self, side: int, along: float) -> Signal:
+        """Return displacements at a place, between stations, from 0 to 1: (N,)."""
+        position = along * (STATIONS - 1)
+        i = min(int(position), STATIONS - 2)
+        table, x = self.displacement[side], position - i
+        return np.asarray((1 - x) * table[i] + x * table[i + 1])
+
+    def about(self, side: int, along: float) -> Signal:
+        """Return displacements at a place that is only roughly known: (N,).
+
+        Half the mean square is that of the whole surface.
+        """
+        there = self.at(side, along)
+        return np.asarray(np.sqrt(self.half_mean_square + 0.5 * there * there))
+
+
+@lru_cache(maxsize=256)
+def _sounding_body(shape: BodyShape, solid: Solid, damping: float) -> _SoundingBody:
+    modes = _modes(shape, solid)
+    omega = modes.omega * np.sqrt(solid.young / solid.density) / shape.length
     corner = SPEED_OF_SOUND / shape.radiating_radius
     wave = omega / corner
-    amplitude = omega * excitation * near * wave / np.sqrt(4 + wave**4)
-    amplitude = amplitude * rng.permutation(_signs(omega.size))
+    gain = np.append(omega * wave / np.sqrt(4 + wave**4), np.sqrt(2) * corner)
     frequency = np.append(omega / (2 * np.pi), corner / (2 * np.pi))
     decay = np.append(0.5 * omega * solid.loss + damping, corner)
-    amplitude = np.append(amplitude, np.sqrt(2) * corner)
-    scale = shape.radiating_radius**2 / (shape.volume * solid.density)
     audible = (frequency < _MAX_FREQUENCY) & (frequency > _MIN_FREQUENCY)
     # However small the body, it clicks.
     audible[-1] = True
     frequency[-1] = min(frequency[-1], _MAX_FREQUENCY)
-    return ModalBank(frequency[audible], decay[audible], scale * amplitude[audible])
+    order = np.flatnonzero(audible)
+    order = order[np.argsort(decay[order], kind="stable")]
+    return _SoundingBody(
+        modes=Modes(frequency[order], decay[order]),
+        order=order,
+        gain=shape.radiating_radius**2 / (shape.volume * solid.density) * gain,
+        displacement=np.ascontiguousarray(modes.displacement.transpose(2, 1, 0)),
+        half_mean_square=0.5 * modes.mean_square,
+    )
 
 
 def lowest_frequency(shape: BodyShape, solid: Solid) -> float:
@@ -170,20 +230,3 @@ def _modes(shape: BodyShape, solid: Solid) -> BodyModes:
     # Rounded so that like materials share modes; what cannot be compressed has no finite modes.
     poisson = min(round(solid.poisson / _POISSON_STEP) * _POISSON_STEP, 0.45)
     return body_modes(shape.kind, *shape.proportions, poisson)
-
-
-def _about(modes: BodyModes, side: int, along: float) -> Signal:
-    """Return displacements at a place that is only roughly known: (M,).
-
-    Half the mean square is that of the whole surface.
-    """
-    there = _at(modes.displacement[:, :, side], along)
-    return np.asarray(np.sqrt(0.5 * modes.mean_square + 0.5 * there**2))
-
-
-def _at(table: Signal, along: float) -> Signal:
-    """Return values between stations, of a table of (M, STATIONS), at 0 to 1: (M,)."""
-    position = along * (table.shape[1] - 1)
-    i = min(int(position), table.shape[1] - 2)
-    x = position - i
-    return np.asarray((1 - x) * table[:, i] + x * table[:, i + 1])

@@ -49,6 +49,11 @@ _BELL_MODES = (
 # Half waves (around, along).
 _SHELL_MODES = ((0, 1), (1, 1), (2, 1), (2, 2), (3, 1), (1, 2), (3, 2), (0, 2), (4, 1), (4, 2))
 
+# The same by columns.
+_MEMBRANE, _PLATE, _BELL, _SHELL = (
+    np.array(modes).T for modes in (_MEMBRANE_MODES, _PLATE_MODES, _BELL_MODES, _SHELL_MODES)
+)
+
 
 def _bar(along: float, across: float) -> Signal:
     # About the middle, modes are alternately even and odd; the ends move most.
@@ -59,12 +64,12 @@ def _bar(along: float, across: float) -> Signal:
 
 
 def _plate(along: float, across: float) -> Signal:
-    m, n = np.array(_PLATE_MODES).T
+    m, n = _PLATE
     return np.asarray(np.cos(np.pi * m * along) * np.cos(np.pi * n * across))
 
 
 def _membrane(along: float, across: float) -> Signal:
-    order, zero = np.array(_MEMBRANE_MODES).T
+    order, zero = _MEMBRANE
     # An impact on the very rim would excite nothing.
     radius = 0.9 * abs(2 * along - 1)
     bessel = _bessel(order, zero * radius)
@@ -84,14 +89,14 @@ _BESSEL_MAXIMA = np.array(
 
 
 def _bell(along: float, across: float) -> Signal:
-    meridians, circles = np.array(_BELL_MODES).T
+    meridians, circles = _BELL
     # From the crown, which is held, to the rim, which is free.
     height = np.where(circles == 0, along**1.5, np.sin(1.5 * np.pi * along))
     return np.asarray(height * np.cos(np.pi * meridians * across))
 
 
 def _shell(along: float, across: float) -> Signal:
-    around, lengthwise = np.array(_SHELL_MODES).T
+    around, lengthwise = _SHELL
     return np.asarray(np.cos(np.pi * lengthwise * along) * np.cos(np.pi * around * across))
 
 

@@ -233,6 +233,9 @@ def _event_notes(
 
 
 def _group_notes(note: Note, group: NoteGroup, score: Score) -> Iterator[Note]:
+    if group.pitches == (note.pitch,) and not (group.delay or group.seconds or group.gain_db):
+        yield note
+        return
     onset = note.onset + group.delay
     event = note.event
     if group.delay > 0:

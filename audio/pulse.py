@@ -13,6 +13,9 @@ from math import log, pi
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import rel_entr
+
+Array = NDArray[np.float64]
 
 SHARE_ON_GRID = 0.95
 """Share of the onsets that has to lie within half a frame of the grid of a pulse."""
@@ -64,7 +67,7 @@ def fit_pulse(frames: NDArray[np.int64], rate: Fraction) -> Pulse | None:
         return None
     count = int(np.ceil((1 / shortest - 1 / longest) * span / _PHASE_STEP)) + 1
     units = 1 / np.linspace(1 / shortest, 1 / longest, count)
-    chances = np.array([_log_chance(first, unit) for unit in units])
+    chances = _log_chances(first, units, _phases(first, units))
     order = np.argsort(chances, kind="stable")[:12]
     fits = [_refined(frames, float(units[k])) for k in order]
     found = [fit for fit in fits if fit is not None]
@@ -78,32 +81,37 @@ def fit_pulse(frames: NDArray[np.int64], rate: Fraction) -> Pulse | None:
     return Pulse(_beat(unit, rate), start + steps * unit)
 
 
-def _phase(frames: NDArray[np.float64], unit: float) -> float:
-    """Return the offset of the grid of a unit that fits the onsets [frames]."""
-    turns = np.exp(2j * pi * frames / unit).sum()
-    return float(np.angle(turns)) / (2 * pi) * unit
+def _phases(frames: Array, units: Array) -> Array:
+    """Return the offsets of the grids of units that fit the onsets: (U,) [frames]."""
+    turns = np.exp(2j * pi * frames / units[:, None]).sum(axis=1)
+    return np.asarray(np.angle(turns) / (2 * pi) * units)
 
 
-def _distances(frames: NDArray[np.float64], unit: float, start: float) -> NDArray[np.float64]:
+def _phase(frames: Array, unit: float) -> float:
+    return float(_phases(frames, np.array([unit]))[0])
+
+
+def _distances(frames: Array, unit: float | Array, start: float | Array) -> Array:
     steps = np.rint((frames - start) / unit)
     return np.asarray(frames - start - steps * unit)
 
 
-def _log_chance(frames: NDArray[np.float64], unit: float, start: float | None = None) -> float:
-    """Return the logarithm of the chance of as many onsets on the grid (Chernoff's bound).
+def _log_chances(frames: Array, units: Array, starts: Array) -> Array:
+    """Return the logarithms of the chances of as many onsets on grids (Chernoff's bound): (U,).
 
     Source: Hoeffding 1963, (2.1).
+
+    Args:
+        frames: (N,) of the onsets.
+        units: (U,) of the grids [frames], above 1.
+        starts: (U,) of the grids [frames].
     """
-    start = _phase(frames, unit) if start is None else start
-    share = float((np.abs(_distances(frames, unit, start)) <= 0.5 + 1e-9).mean())
-    chance = min(1 / unit, 1.0)
-    if share <= chance:
-        return 0.0
-    divergence = share * log(share / chance)
-    if share < 1:
-        divergence += (1 - share) * log((1 - share) / (1 - chance))
+    distances = _distances(frames, units[:, None], starts[:, None])
+    share = (np.abs(distances) <= 0.5 + 1e-9).mean(axis=1)
+    chance = 1 / units
+    divergence = rel_entr(share, chance) + rel_entr(1 - share, 1 - chance)
     # A grid may be at any of its phases.
-    return log(unit) - frames.size * divergence
+    return np.where(share <= chance, 0.0, np.log(units) - frames.size * divergence)
 
 
 def _refined(frames: NDArray[np.int64], unit: float) -> tuple[float, Fraction, Fraction] | None:
@@ -129,7 +137,8 @@ def _refined(frames: NDArray[np.int64], unit: float) -> tuple[float, Fraction, F
         for phase in _simple_phases(onsets, float(simple)):
             distances = _distances(onsets, float(simple), float(phase))
             if (np.abs(distances) <= 0.5 + 1e-9).mean() >= SHARE_ON_GRID:
-                return _log_chance(onsets, float(simple), float(phase)), simple, phase
+                of_grid = np.array([float(simple)]), np.array([float(phase)])
+                return float(_log_chances(onsets, *of_grid)[0]), simple, phase
     return None
 
 

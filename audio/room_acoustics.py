@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from math import atan2, hypot, sin, sqrt
 
 import numpy as np
+from scipy.signal import lfilter
 
 from audio.config.sound import Room, RoomName
-from audio.dsp import SILENCE_EXPONENT, Signal, convolve, mix_in
+from audio.dsp import SILENCE_EXPONENT, Signal, convolve, mix_in, silence
 from audio.layouts import STEREO, Layout
 from audio.score import ScoreEvent
 from audio.source_motion import SPEED_OF_SOUND
@@ -27,7 +29,7 @@ _EAR_HEIGHT, _WALL_CLEARANCE = 1.6, 0.5
 _MAX_DISTANCE = 1e4
 _SEED = 1979
 # Pole of the low-pass of ground and walls.
-_WALL_POLE, _WALL_TAPS = 0.6, 24
+_WALL_POLE = 0.6
 # Delay of the reverberation after the direct sound, and its attack [s].
 _REVERB_DELAY, _REVERB_ATTACK = 0.012, 0.02
 # (edges of a band [Hz], its reverberation time relative to that of the room).
@@ -127,7 +129,7 @@ class Reverberator:
 
     def __init__(self, room: RoomAcoustics, samples: int, layout: Layout = STEREO) -> None:
         self.room, self._layout = room, layout
-        self._early = np.zeros((samples, len(layout.channels))) if room.reflectance > 0 else None
+        self._early = silence(samples, len(layout.channels)) if room.reflectance > 0 else None
         self._late = np.zeros(samples) if room.wet * room.seconds > 0 else None
 
     def feed(self, event: ScoreEvent, start: int, sound: Signal, gain: float, send: float) -> None:
@@ -153,23 +155,21 @@ class Reverberator:
         """Add all reflections and reverberation to a mix (N, C)."""
         if self._early is not None:
             for channel in range(mix.shape[1]):
-                if self._early[:, channel].any():
-                    mix[:, channel] += convolve(self._early[:, channel], _wall_response())
+                mix[:, channel] += lfilter(
+                    [1 - _WALL_POLE], [1, -_WALL_POLE], self._early[:, channel]
+                )
         if self._late is not None and self._late.any():
             # Around the listener, each from its own side and unlike the others.
             sides = [azimuth for pair in self._layout.bed for azimuth in pair]
-            for number, azimuth in enumerate(sides):
-                tail = convolve(self._late, reverb_response(self.room.seconds, number))
+            responses = [reverb_response(self.room.seconds, number) for number in range(len(sides))]
+            tails = convolve(self._late, np.stack(responses))
+            for tail, azimuth in zip(tails, sides, strict=True):
                 for channel, gain in enumerate(self._layout.gains(azimuth)):
                     if gain:
                         mix[:, channel] += self.room.wet * gain * tail
 
 
-def _wall_response() -> Signal:
-    """Return the impulse response of a wall, a one-pole low-pass: (24,)."""
-    return np.asarray((1 - _WALL_POLE) * _WALL_POLE ** np.arange(_WALL_TAPS))
-
-
+@lru_cache(maxsize=16)
 def reverb_response(seconds: float, side: int) -> Signal:
     """Return the impulse response of late reverberation, of energy 1: (K,).
 

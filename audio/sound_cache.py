@@ -1,31 +1,33 @@
-"""Sound cache: synthesised sounds of this process, so that a track and its stems share them."""
+"""Sound cache: sounds of this process, so that what sounds alike is synthesised once."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from threading import Lock
+from typing import Generic, TypeVar
 
 from audio.dsp import Signal
-from audio.synthesis import SoundParameters, synthesize
 
-# Samples that are kept: 64 MiB of them.
-_MOST_SAMPLES = 2**23
+P = TypeVar("P", bound=Hashable)
 
 
-class SoundCache:
+class SoundCache(Generic[P]):
     """The sounds that were asked for last, up to a number of samples.
 
     Args:
+        synthesize: returns the sound of some parameters and a seed, (N,).
         most_samples: of all sounds together.
     """
 
-    def __init__(self, most_samples: int = _MOST_SAMPLES) -> None:
+    def __init__(self, synthesize: Callable[[P, int], Signal], most_samples: int) -> None:
+        self._synthesize = synthesize
         self._most_samples = most_samples
         self._samples = 0
-        self._sounds: OrderedDict[tuple[SoundParameters, int], Signal] = OrderedDict()
+        self._sounds: OrderedDict[tuple[P, int], Signal] = OrderedDict()
         self._lock = Lock()
 
-    def sound(self, parameters: SoundParameters, seed: int) -> Signal:
+    def sound(self, parameters: P, seed: int) -> Signal:
         """Return a sound, (N,), which nobody may change."""
         key = parameters, seed
         with self._lock:
@@ -33,7 +35,7 @@ class SoundCache:
             if sound is not None:
                 self._sounds.move_to_end(key)
                 return sound
-        sound = synthesize(parameters, seed)
+        sound = self._synthesize(parameters, seed)
         sound.setflags(write=False)
         with self._lock:
             if key not in self._sounds:
@@ -42,7 +44,3 @@ class SoundCache:
             while self._samples > self._most_samples and len(self._sounds) > 1:
                 self._samples -= self._sounds.popitem(last=False)[1].size
         return sound
-
-
-SOUNDS = SoundCache()
-"""The sounds of this process."""

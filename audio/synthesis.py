@@ -9,58 +9,63 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from audio import footsteps
-from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
+from audio.acoustic_materials import FAMILIES, family_name, family_of, solid_of, usual_shape
 from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import (
     Signal,
     convolve,
-    grain_noise,
+    noise_at_rate,
     normalized,
-    resample,
-    shared_noise,
     without_rumble,
 )
 from audio.harmony import frequency_of
-from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
+from audio.impact_contact import contact_seconds
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_bank import ModalBank, joined, ring
-from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
+from audio.modal_bank import ModalBank
 from audio.motion import Motion
 from audio.notes import Note
-from audio.seeded import seeded
+from audio.score import ScoreEvent
+from audio.seeded import random_pair, seeded
+from audio.sound_cache import SoundCache
 from audio.source_motion import SpeedProfile, speed_profile
+from audio.struck_body import (
+    BLOWS,
+    FADE,
+    GRAINS,
+    Blow,
+    Grains,
+    absorption,
+    air_cutoff,
+    body_modes,
+    faded,
+    ring_in_air,
+)
 from audio.time_grid import SAMPLE_RATE
 
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Steps of the speed in each octave: of a motion, whose pitch follows it, and of an impact, where it
-# counts by its fifth root; and those of the leg's length of a footstep.
-_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES = 2, 1, 4
+# Variants of two bodies that meet, because points and durations of their contacts differ anyway;
+# of what is struck and of grains, because they sound beside the body.
+_CLASH_VARIANTS, _OTHER_VARIANTS = 8, 4
+# Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on
+# grains; of the length of the leg of a footstep, and of the duration of a contact.
+_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 4
 # Distance below which air takes nothing that is heard: 0.6 dB at 10 kHz [m].
 _NEAR = 4.0
 # Random variation of the level [dB].
 _LEVEL_JITTER = 0.8
 # Steps of the point of impact along a body.
 _SPOTS = 16
-# Attenuation in air [dB per m and Hz²], a square law through 0.16 dB/m at 10 kHz.
-# Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
-_AIR_ABSORPTION = 1.6e-9
 # Length of what air makes of an impulse [samples].
 _AIR_RESPONSE = 256
-# Longest ring without a configured decay [s].
-_MAX_RING = 6.0
 # Longest ring of a limb while its joint rubs, and of a body that rubs [s].
 _JOINT_RING, _FRICTION_RING = 0.04, 0.03
 # Modulation of the rolling noise by the heavier side.
 _ROLL_MODULATION = 0.25
 # Level of the excited modes of a rubbing body relative to the friction noise.
 _FRICTION_RESONANCE = 0.5
-# Damping by air and by what a body lies on, per loss factor of the latter [1/s].
-_AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
-# The ground is large: wherever it is struck it sounds the same, in most of its modes.
-_GROUND_SPOT = 0.35
 # Sizes that a body of unknown shape may have [m].
 _SIZES = (1e-3, 100.0)
 # Pitches of a motion [Hz]: from the beats of a large wing on.
@@ -68,7 +73,11 @@ _PITCHES = (3.0, 6000.0)
 # Least speed of an impact [m/s].
 _SLOWEST = 0.02
 _MIN_ONSET = 2e-3
-_FADE = int(0.005 * SAMPLE_RATE)
+# Samples in which a scrape comes up.
+_RISE = 40
+
+SHORTEST_CONTACT = 1 / SAMPLE_RATE
+"""Duration of a contact that sounds like any shorter one [s]."""
 
 MIN_DURATION = 64 / SAMPLE_RATE
 """Least duration of a sustained sound [s]."""
@@ -83,14 +92,16 @@ class SoundParameters:
         material: of the body that sounds.
         surface: material of what it met.
         size: of the body [m]; of a footstep the length of the leg, in quarters of an octave.
-        speed: [m/s], in steps of 3 dB, of an impact in steps of 6 dB.
+        speed: [m/s], in steps of 3 dB; of a footstep and of an impact on grains in steps of 6 dB;
+            0 of other impacts, which differ by the duration of their contacts alone.
         distance: [m], in powers of two, for the absorption of air.
         pitch: configured pitch [Hz]; 0 for the pitch of the size.
         decay: configured decay time [s]; 0 for that of the materials.
         duration: audible duration of a sustained sound [s]; 0 for an impact.
         variant: number of the random variant.
-        spot: point of impact along the longest axis, in steps of a 16th; None if unknown.
-        mass: of what strikes [kg], in steps of 3 dB; 0 for that of the body.
+        spot: point of impact along the longest axis, in steps of a 16th; None if unknown. Mirror
+            images of a point are the same.
+        contact: duration of the contact of an impact, in quarters of an octave [s].
         shape: of the body; None for that usual for its material.
         struck_shape: of the body that it met; None for the ground.
         full_duration: of the sustained sound, with the part after the end of the score [s].
@@ -109,7 +120,7 @@ class SoundParameters:
     duration: float
     variant: int
     spot: float | None = None
-    mass: float = 0.0
+    contact: float = SHORTEST_CONTACT
     shape: BodyShape | None = None
     struck_shape: BodyShape | None = None
     full_duration: float = 0.0
@@ -131,33 +142,42 @@ def sound_parameters(
         remaining: time to the end of the score [s].
     """
     event, key = note.event, note.event.key
-    if _is_footstep(event.cause, note.tuned, note.decay or 0.0):
+    is_step = _is_footstep(event.cause, note.tuned, note.decay or 0.0)
+    if is_step:
         # Steps of like feet share their syntheses, wherever they strike and however hard.
         size = _quantized(float(np.clip(event.size, *_SIZES)), _STEP_SIZES)
         event = replace(event, size=size, spot=None, energy=0.0, shape=None, struck_shape=None)
-    is_impact = cause_voice(event.cause) is None and not event.duration
-    rng = seeded(seed, *key, occurrence)
-    speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
+    of_variant, of_level = random_pair(seed, *key, occurrence)
+    speed, contact = min(max(abs(event.strength), _SLOWEST), 1e3), SHORTEST_CONTACT
+    steps, variants = _SPEEDS, _VARIANTS
+    if cause_voice(event.cause) is None and not event.duration:
+        contact = _quantized(max(_contact_seconds(event, speed), SHORTEST_CONTACT), _CONTACTS)
+        steps = _IMPACT_SPEEDS
+        families = family_of(event.material), family_of(event.surface)
+        if not is_step and all(family.grain_level is None for family in families):
+            speed = 0.0
+        if event.struck_shape is not None and event.spot is not None:
+            variants = _CLASH_VARIANTS
     parameters = SoundParameters(
         cause=event.cause,
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(speed, _IMPACT_SPEEDS if is_impact else _SPEEDS),
-        distance=_quantized(float(np.clip(event.distance, _NEAR, 1e4)), 1),
+        speed=_quantized(speed, steps) if speed else 0.0,
+        distance=_quantized(min(max(event.distance, _NEAR), 1e4), 1),
         pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
-        variant=int(rng.integers(_VARIANTS)),
-        spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
-        mass=_striking_mass(event.energy, speed),
+        variant=int(variants * of_variant),
+        spot=_spot(event),
+        contact=contact,
         shape=event.shape,
         struck_shape=event.struck_shape,
         full_duration=event.duration,
         speeds=event.speeds,
         approach_speeds=tuple(bearing.approach_speed for bearing in event.course),
     )
-    return parameters, float(rng.uniform(-_LEVEL_JITTER, _LEVEL_JITTER))
+    return parameters, (2 * of_level - 1) * _LEVEL_JITTER
 
 
 def _is_footstep(cause: str, is_tuned: bool, decay: float) -> bool:
@@ -165,11 +185,26 @@ def _is_footstep(cause: str, is_tuned: bool, decay: float) -> bool:
     return cause == footsteps.CAUSE and not is_tuned and not decay
 
 
-def _striking_mass(energy: float, speed: float) -> float:
-    """Return the mass of a body of this energy [J] and speed [kg]; 0 if unknown."""
-    if energy <= 0:
-        return 0.0
-    return _quantized(float(np.clip(2 * energy / speed**2, 1e-6, 1e6)), 1)
+def _spot(event: ScoreEvent) -> float | None:
+    """Return the point of impact, on the first half of a body that is its own mirror image."""
+    if event.spot is None:
+        return None
+    spot = round(event.spot * _SPOTS) / _SPOTS
+    is_vessel = event.shape is not None and event.shape.kind == "vessel"
+    return spot if is_vessel else min(spot, 1.0 - spot)
+
+
+def _contact_seconds(event: ScoreEvent, speed: float) -> float:
+    """Return how long bodies touch that meet at a speed [m/s]."""
+    solids = solid_of(event.material), solid_of(event.surface)
+    shape = event.shape or _usual_shape(event.material, event.size)
+    mass = 2 * event.energy / speed**2 if event.energy > 0 else shape.volume * solids[0].density
+    curvature = 1 / shape.contact_radius
+    if event.struck_shape is not None:
+        other = event.struck_shape.volume * solids[1].density
+        mass = mass * other / (mass + other)
+        curvature += 1 / event.struck_shape.contact_radius
+    return contact_seconds(solids, 1 / curvature, mass, speed)
 
 
 def _quantized(value: float, steps_per_doubling: int) -> float:
@@ -192,10 +227,13 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
         parts = (sound.material, sound.surface, sound.size, sound.speed)
         signal = _through_air(footsteps.footstep(*parts, rng), sound.distance)
     else:
-        signal = _impact(sound, rng)
-    signal = without_rumble(signal)
-    signal = _faded(signal, min(_FADE, signal.size))
-    signal = normalized(signal)
+        return _finished(_impact(sound, seed))
+    return _finished(without_rumble(signal))
+
+
+def _finished(signal: Signal) -> Signal:
+    """Return a sound of peak 1 with an end and an onset: (N,)."""
+    signal = normalized(faded(signal, min(FADE, signal.size)))
     # The onset must be detectable on its sample.
     signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
     return signal
@@ -203,16 +241,13 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
 
 def _through_air(signal: Signal, distance: float) -> Signal:
     """Return a sound as it arrives over a distance [m], duller: (N,)."""
+    if distance <= _NEAR:
+        return signal
     # FFTs of prime lengths are slow, and the end must not come round to the onset.
     size = next_fast_len(signal.size + _AIR_RESPONSE, real=True)
     frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
-    spectrum = np.fft.rfft(signal, size) * _absorption(frequency, distance)
+    spectrum = np.fft.rfft(signal, size) * absorption(frequency, distance)
     return np.asarray(np.fft.irfft(spectrum, size)[: signal.size])
-
-
-def _absorption(frequency: Signal, distance: float) -> Signal:
-    """Return what air leaves of frequencies [Hz] over a distance [m], as a factor."""
-    return np.asarray(10 ** (-_AIR_ABSORPTION * frequency**2 * distance / 20))
 
 
 def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:
@@ -225,109 +260,44 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     pitch = sound.pitch or voice.pitch_of(sound.size)
     body = np.ones(1)
     if voice.resonates:
-        bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
-        body = _ring(bank.with_decay_time(_JOINT_RING), sound)
+        bank = _own_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
+        body = ring_in_air(bank.with_decay_time(_JOINT_RING), sound.distance)
     motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, *_PITCHES)), sound.speed)
     return voice.synthesize(motion, body, rng)
 
 
-def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
-    own, ground = family_of(sound.material), family_of(sound.surface)
-    solids = solid_of(sound.material), solid_of(sound.surface)
-    seconds = _contact_seconds(sound, solids)
-    banks = [_body_modes(sound, rng)]
+def _impact(sound: SoundParameters, seed: int) -> Signal:
+    """Return the sound of an impact, without rumble: (N,)."""
+    body = sound.material, sound.surface, _shape(sound), sound.contact, sound.distance
+    struck = sound.surface, sound.material, sound.struck_shape, sound.contact, sound.distance
+    few = sound.variant % _OTHER_VARIANTS
+    blows = (
+        Blow(*body, sound.variant, spot=sound.spot, pitch=sound.pitch, decay=sound.decay),
+        Blow(*struck, few, decay=sound.decay),
+    )
+    layers = [BLOWS.sound(blow, seed) for blow in blows]
     if sound.struck_shape is None:
         # The ground yields the more, the softer it is.
-        compliance = solids[0].young / (solids[0].young + solids[1].young)
+        young = solid_of(sound.material).young
+        compliance = young / (young + solid_of(sound.surface).young)
         level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
-        layers = [
-            share * normalized(_struck([bank], seconds, sound))
-            for share, bank in (
-                (1 - level, banks[0]),
-                (level, _ground_modes(ground, sound, rng)),
-            )
-        ]
+        layers = [(1 - level) * normalized(layers[0]), level * normalized(layers[1])]
     else:
-        other = replace(
-            sound, material=sound.surface, surface=sound.material, shape=sound.struck_shape
-        )
-        banks.append(_body_modes(replace(other, spot=None, pitch=0.0), rng))
-        layers = [normalized(_struck(banks, seconds, sound))]
-    for family in (own, ground):
-        if family.grain_level is not None:
-            low, high = family.grain_band
-            band = (low, min(high, _air_cutoff(sound.distance)))
-            decay = min(family.grain_decay * sound.speed**0.25, sound.decay or 1.0)
-            grains = grain_noise(band, decay, family.grain_rate, rng)
-            layers.append(10 ** (family.grain_level / 20) * normalized(grains))
-    return _mix_layers(layers)
-
-
-def _struck(banks: list[ModalBank], seconds: float, sound: SoundParameters) -> Signal:
-    """Return the ring of banks under the force of a contact of this duration [s]."""
-    heard = [bank.scaled(contact_attenuation(bank.frequency, seconds)) for bank in banks]
-    if len(heard) > 1:
-        # Opposite signs would hide the onset.
-        heard = [bank.scaled(np.copysign(1.0, bank.start.real.sum())) for bank in heard]
-    return _ring(joined(heard), sound, force_pulse(seconds))
+        layers = [normalized(_sum(layers))]
+    for name in (family_name(sound.material), family_name(sound.surface)):
+        level_db = FAMILIES[name].grain_level
+        if level_db is not None:
+            grains = Grains(name, sound.speed, sound.distance, few, sound.decay)
+            layers.append(10 ** (level_db / 20) * normalized(GRAINS.sound(grains, seed)))
+    return _sum(layers)
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
-    return sound.shape or usual_shape(sound.material, float(np.clip(sound.size, *_SIZES)))
+    return sound.shape or _usual_shape(sound.material, sound.size)
 
 
-def _contact_seconds(sound: SoundParameters, solids: tuple[Solid, Solid]) -> float:
-    shape = _shape(sound)
-    mass = sound.mass or shape.volume * solids[0].density
-    curvature = 1 / shape.contact_radius
-    if sound.struck_shape is not None:
-        other = sound.struck_shape.volume * solids[1].density
-        mass = mass * other / (mass + other)
-        curvature += 1 / sound.struck_shape.contact_radius
-    return contact_seconds(solids, 1 / curvature, mass, sound.speed)
-
-
-def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
-    shape, solid = _shape(sound), solid_of(sound.material)
-    # A body on soft ground cannot ring freely.
-    damping = _AIR_DAMPING + _SUPPORT_DAMPING * solid_of(sound.surface).loss
-    if sound.pitch:
-        # A body of this pitch is as much larger or smaller.
-        shape = shape.scaled(lowest_frequency(shape, solid) / sound.pitch)
-    bank = body_bank(shape, solid, damping, sound.spot, sound.pitch > 0, rng)
-    return bank.with_decay_time(sound.decay) if sound.decay else bank
-
-
-def _ground_modes(
-    ground: MaterialFamily, sound: SoundParameters, rng: np.random.Generator
-) -> ModalBank:
-    pitch = ground.ground * rng.uniform(0.94, 1.06)
-    damping, loss = ground.damping + 8, solid_of(sound.surface).loss
-    bank = excited_modes(ground.shape, pitch, loss, damping, ground.tilt, _GROUND_SPOT, rng)
-    return bank.with_decay_time(sound.decay) if sound.decay else bank
-
-
-def _ring(bank: ModalBank, sound: SoundParameters, *force: Signal) -> Signal:
-    """Return the sound (N,) of a bank under a force (K,) or an impulse, as air carries it."""
-    absorption = _absorption(bank.frequency, sound.distance)
-    bank = bank.scaled(absorption)
-    audible = float(bank.audible_seconds.max(initial=0.0))
-    seconds = min(bank.seconds, audible, max(_MAX_RING, sound.decay))
-    samples = max(int(seconds * SAMPLE_RATE), _FADE)
-    signal = ring(bank, samples, *force)
-    # Other layers may last longer, and would not cover its end.
-    return _faded(signal, min(_FADE, samples // 4))
-
-
-def _faded(signal: Signal, fade: int) -> Signal:
-    """Return a signal whose last samples fall smoothly to nothing."""
-    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
-    return signal
-
-
-def _air_cutoff(distance: float) -> float:
-    """Return the frequency that air attenuates by 6 dB [Hz]."""
-    return float(np.sqrt(6 / (_AIR_ABSORPTION * distance)))
+def _usual_shape(material: str, size: float) -> BodyShape:
+    return usual_shape(material, min(max(size, _SIZES[0]), _SIZES[1]))
 
 
 def _friction(
@@ -339,28 +309,40 @@ def _friction(
     speed while the modes keep their frequencies.
     """
     ground = family_of(sound.surface)
-    samples = profile.samples
     low, high = ground.grain_band
-    band = (low, min(high, _air_cutoff(sound.distance)))
+    band = (low, min(high, air_cutoff(sound.distance)))
     pace = profile.relative_speed * profile.doppler
-    noise = resample(shared_noise(samples, band, rng), pace)
-    noise *= profile.relative_speed**SPEED_EXPONENT
+    noise = noise_at_rate(band, pace, rng)
+    noise *= profile.raised(SPEED_EXPONENT)
     if rolls:
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)
         noise *= 1 + _ROLL_MODULATION * np.sin(2 * np.pi * turns / SAMPLE_RATE)
-    bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
-    body = _ring(bank, sound)
+    bank = _own_modes(sound, rng).with_decay_time(_FRICTION_RING)
+    body = ring_in_air(bank, sound.distance)
     # The slope of the profile excites the body: read slowly, it hardly does.
-    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])
-    signal = normalized(noise) + _FRICTION_RESONANCE * normalized(excited)
-    edge = np.arange(samples) + 1.0
-    return np.asarray(signal * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))
+    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * FADE])
+    signal = normalized(noise)
+    signal += _FRICTION_RESONANCE * normalized(excited)
+    rise, fall = signal[:_RISE], signal[-4 * FADE :]
+    rise *= np.arange(1.0, rise.size + 1) / _RISE
+    fall *= np.arange(fall.size, 0.0, -1.0) / (4 * FADE)
+    return signal
 
 
-def _mix_layers(layers: list[Signal]) -> Signal:
-    """Return the sum of layers from their common onset on, where all have the same sign."""
+def _own_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
+    """Return the modes of a body that rubs on another."""
+    body = sound.material, sound.surface, _shape(sound)
+    when = sound.contact, sound.distance, sound.variant
+    return body_modes(Blow(*body, *when, sound.spot, sound.pitch, sound.decay), rng)
+
+
+def _sum(layers: list[Signal]) -> Signal:
+    """Return the sum of layers from their common onset on."""
     whole = np.zeros(max(layer.size for layer in layers))
     for layer in layers:
-        # Opposite signs would hide the onset.
-        whole[: layer.size] += layer if layer[0] >= 0 else -layer
+        whole[: layer.size] += layer
     return whole
+
+
+SOUNDS = SoundCache(synthesize, 2**23)
+"""The sounds of this process, 64 MiB of them: a track and its stems share them."""

@@ -6,10 +6,12 @@ from audio.config.sound import EventFilter, Sound, Voice
 from audio.names import matches_pattern
 from audio.score import ScoreEvent
 
+_DEFAULT = Voice()
+
 
 def voice_of(sound: Sound, event: ScoreEvent) -> Voice:
     """Return the first voice whose conditions hold for an event, or the default voice."""
-    return next((voice for voice in sound.voices if _selects(voice.when, event)), Voice())
+    return next((voice for voice in sound.voices if _selects(voice.when, event)), _DEFAULT)
 
 
 def _selects(when: EventFilter, event: ScoreEvent) -> bool:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from audio.ambience import USUAL_LUFS, ambient_sound
 from audio.buses import bus_gain_db, ducked
-from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
+from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains, silence
 from audio.errors import ScoreError, SoundFileError
 from audio.layouts import STEREO, Layout
 from audio.mastering import FULL_SCALE, master_mix
@@ -22,11 +22,10 @@ from audio.music_mix import mix_music, music_gain
 from audio.notes import Note, notes_of
 from audio.room_acoustics import Reverberator, room_acoustics
 from audio.score import Score
-from audio.sound_cache import SOUNDS
 from audio.sound_files import write_sound_file
 from audio.soundfont import play_soundfont
 from audio.source_motion import moving_gains, surrounding_gains
-from audio.synthesis import sound_parameters
+from audio.synthesis import SOUNDS, sound_parameters
 from audio.time_grid import SAMPLE_RATE, sample_at, sample_of_frame
 
 _CHANNELS, _SAMPLE_BYTES = 2, 3
@@ -176,13 +175,14 @@ def mix_notes(
         music: gain of the music, as a factor.
         heard: all notes of the score, to whose voices the music gives way; `notes` by default.
     """
-    mix = np.zeros((samples, len(layout.channels)))
+    mix = silence(samples, len(layout.channels))
     reverberator = Reverberator(room_acoustics(score.sound.room), samples, layout)
     occurrences = Counter[tuple[object, ...]]()
+    end = float(score.frames / score.rate)
     for note in notes:
         if note.is_music:
             continue
-        remaining = float(score.frames / score.rate - note.onset)
+        remaining = end - float(note.onset)
         occurrence = occurrences[note.event.key]
         occurrences[note.event.key] += 1
         parameters, jitter_db = sound_parameters(note, score.seed, occurrence, remaining)

@@ -1,8 +1,9 @@
 """Scores and tracks of all scenes: what they promise, measured by readers that are not pronk's.
 
-For each scene: notes off their frames at six frame rates, as fractions, by two readers of MIDI;
-performers that sound and have no note; parts whose program changes; notes that a third reader
-counts otherwise; the share of notes within half a frame of a sixteenth, where the file has beats;
+For each scene: notes off their frames at six frame rates, as fractions, by three readers of MIDI;
+performers that sound and have no note; parts whose program changes; notes that a fourth reader
+counts otherwise; the share of notes within half a frame of a sixteenth, where events are meant on
+beats;
 the share of the film below -60 dBFS; the distance from the target loudness and the true peak, by
 another meter; how far the sum of the stems is from the track; and the time that the track takes.
 
@@ -27,6 +28,7 @@ from typing import Any
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import mido
+import music21
 import numpy as np
 import pretty_midi
 import pyloudnorm
@@ -53,6 +55,9 @@ MOST_SILENT, MOST_LUFS, MOST_SHARE = 0.3, 0.3, 0.1
 """Share of the film that may be below -60 dBFS, distance from the target [LU], share of real time
 that a track may take."""
 
+LEAST_ON_GRID = 0.95
+"""Share of the notes of a pulse that has to be on its sixteenths."""
+
 MOST_STEM_DB, TRUE_PEAK_DB = -80.0, -1.0
 """Of the sum of the stems beside the track, and of true peaks [dB]."""
 
@@ -69,8 +74,8 @@ class Laws:
         off_frame: notes off their frames, over all rates and readers.
         empty: performers that sound and have no note.
         programs: parts that set a program twice.
-        unread: difference of the number of notes of a third reader.
-        on_grid: share of notes on sixteenths; None without beats.
+        unread: difference of the number of notes of a fourth reader.
+        on_grid: share of notes on sixteenths; None where events are meant on no beat.
         silent: share of the film below -60 dBFS.
         lufs_error: distance from the target [LU].
         true_peak: [dB].
@@ -100,6 +105,7 @@ class Laws:
             "empty parts": self.empty,
             "programs": self.programs,
             "reader": self.unread,
+            "beats": self.on_grid is not None and self.on_grid < LEAST_ON_GRID,
             "silent": self.silent > MOST_SILENT,
             "loudness": abs(self.lufs_error) > MOST_LUFS,
             "true peak": self.true_peak > TRUE_PEAK_DB,
@@ -111,7 +117,7 @@ class Laws:
 
 
 def onsets(data: bytes) -> Iterator[list[int]]:
-    """Yield the ticks of onsets as each of two readers finds them, sorted."""
+    """Yield the ticks of onsets as each of three readers finds them, sorted."""
     played: Any = symusic.Score.from_midi(data)
     yield sorted(note.time for track in played.tracks for note in track.notes)
     found = []
@@ -120,6 +126,16 @@ def onsets(data: bytes) -> Iterator[list[int]]:
         for message in track:
             now += message.time
             if message.type == "note_on" and message.velocity:
+                found.append(now)
+    yield sorted(found)
+    file, found = music21.midi.MidiFile(), []
+    file.readstr(data)
+    for track in file.tracks:
+        now = 0
+        for event in track.events:
+            if event.isDeltaTime():
+                now += event.time
+            elif event.isNoteOn() and event.velocity:
                 found.append(now)
     yield sorted(found)
 
@@ -150,6 +166,8 @@ def measure(score: Score, folder: Path) -> Laws:
     wrong = off_frame(score, folder / "rates.mid")
     report = write_midi(score, folder / "score.mid")
     data = (folder / "score.mid").read_bytes()
+    quantised = score.sound.quantise is not None
+    has_pulse = report.tempo.source == "events" or score.dance is not None or quantised
     notes = notes_of(score)
     heard = {note.event.who for note in notes}
     played = {each.part.key.performer for each in report.parts if each.notes}
@@ -183,7 +201,7 @@ def measure(score: Score, folder: Path) -> Laws:
         empty=len(heard - played),
         programs=sum(count > 1 for count in counts.values()),
         unread=abs(read - report.notes),
-        on_grid=report.tempo.on_grid if report.tempo.source != "none" else None,
+        on_grid=report.tempo.on_grid if has_pulse else None,
         silent=float(np.mean(level <= 1e-3)),
         lufs_error=loudness - track.target if has_sound else 0.0,
         true_peak=decibels(peak),

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal, band_noise
-from audio.modal_bank import ModalBank, ring
+from audio.modal_bank import bank_of, ring
 from audio.time_grid import SAMPLE_RATE
 
 # Modes of an ideal membrane, relative to the lowest: zeros of Bessel functions.
@@ -110,8 +110,8 @@ def _bars(
     """Return what rings with fixed modes."""
     ratio = np.array(ratios)
     level = ratio ** -(1.3 - 0.7 * strength)
-    bank = ModalBank(pitch * ratio, SILENCE_EXPONENT * ratio**0.5 / seconds, level)
-    tone = ring(bank, int(seconds * SAMPLE_RATE))
+    bank = bank_of(pitch * ratio, SILENCE_EXPONENT * ratio**0.5 / seconds, level)
+    tone = ring([bank], int(seconds * SAMPLE_RATE))
     return _sum(tone, _noise(_Noise((1000.0, 8000.0), 0.015, click * strength), rng))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal, band_noise
 from audio.harmony import MIDDLE_C, frequency_of
-from audio.modal_bank import ModalBank, ring
+from audio.modal_bank import bank_of, ring
 from audio.time_grid import SAMPLE_RATE
 
 _HIGHEST = 14_000.0
@@ -93,8 +93,8 @@ def struck_tone(
     samples = int(min(seconds, 8.0) * SAMPLE_RATE)
     if voice.release:
         samples = min(samples, held + int(voice.release * SAMPLE_RATE))
-    bank = ModalBank(partial, SILENCE_EXPONENT / times, level * rng.choice((-1.0, 1.0), level.size))
-    signal = ring(bank, samples)
+    bank = bank_of(partial, SILENCE_EXPONENT / times, level * rng.choice((-1.0, 1.0), level.size))
+    signal = ring([bank], samples)
     if voice.release and samples > held:
         after = np.arange(samples - held) / SAMPLE_RATE
         signal[held:] *= np.exp(-SILENCE_EXPONENT * after / voice.release)

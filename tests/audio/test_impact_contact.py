@@ -64,10 +64,11 @@ def test_a_blow_16_times_as_fast_is_brighter_as_hertz_says():
 
 @pytest.mark.parametrize(("material", "surface"), [("oak", "oak"), ("ebony", "stone")])
 def test_faster_blows_sound_brighter(material, surface):
-    shape = BodyShape("ellipsoid", 0.2, 0.2, 0.2)
+    shape, solids = BodyShape("ellipsoid", 0.2, 0.2, 0.2), (solid_of(material), solid_of(surface))
+    mass = shape.volume * solids[0].density
     slow, fast = (
-        centroid(blow(material=material, surface=surface, speed=v, shape=shape))
-        for v in (0.25, 4.0)
+        centroid(blow(material=material, surface=surface, contact=seconds, shape=shape))
+        for seconds in (contact_seconds(solids, shape.contact_radius, mass, v) for v in (0.25, 4.0))
     )
     assert 1.1 < fast / slow < 2.2
 

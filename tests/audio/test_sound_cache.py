@@ -2,9 +2,8 @@
 
 import pytest
 
-from audio import sound_cache
 from audio.sound_cache import SoundCache
-from audio.synthesis import SoundParameters
+from audio.synthesis import SoundParameters, synthesize
 
 
 def knock(size: float) -> SoundParameters:
@@ -13,7 +12,7 @@ def knock(size: float) -> SoundParameters:
 
 
 def test_a_sound_is_kept_and_nobody_can_change_it():
-    cache = SoundCache()
+    cache = SoundCache(synthesize, 2**20)
     sound = cache.sound(knock(0.1), 1)
     assert cache.sound(knock(0.1), 1) is sound
     assert cache.sound(knock(0.1), 2) is not sound
@@ -21,16 +20,15 @@ def test_a_sound_is_kept_and_nobody_can_change_it():
         sound[0] = 0.0
 
 
-def test_the_oldest_sounds_make_room(monkeypatch):
+def test_the_oldest_sounds_make_room():
     asked = []
 
-    def counted(parameters, seed, make=sound_cache.synthesize):
+    def counted(parameters, seed):
         asked.append(parameters.size)
-        return make(parameters, seed)
+        return synthesize(parameters, seed)
 
-    monkeypatch.setattr(sound_cache, "synthesize", counted)
-    first = sound_cache.SoundCache().sound(knock(0.1), 1)
-    cache = SoundCache(most_samples=first.size + 1)
+    first = synthesize(knock(0.1), 1)
+    cache = SoundCache(counted, most_samples=first.size + 1)
     for size in (0.1, 0.1, 0.2, 0.1):
         cache.sound(knock(size), 1)
-    assert asked == [0.1, 0.1, 0.2, 0.1]
+    assert asked == [0.1, 0.2, 0.1]

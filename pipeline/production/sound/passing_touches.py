@@ -26,6 +26,10 @@ LIMBS = frozenset(
 """Parts of its limbs, on which no place is."""
 
 
+HANDS = frozenset({"hand_l", "hand_r"})
+"""Its hands."""
+
+
 def touched_parts(scene: Scene) -> dict[str, frozenset[str]]:
     """Return the parts of their own body that the dances of dancers touch, by the dancer's name."""
     touched = {}
@@ -40,7 +44,9 @@ def touched_parts(scene: Scene) -> dict[str, frozenset[str]]:
             for start, part in PARTS.items()
             if place is not None and place.startswith(start)
         }
-        touched[member.name] = frozenset(parts)
+        # Hands clap where they reach for places in the air.
+        hands = HANDS if any(task.reach is not None for task in dance.subtasks) else frozenset()
+        touched[member.name] = hands | parts
     return touched
 
 
@@ -54,6 +60,6 @@ def is_passing(event: SoundEvent, touched: Mapping[str, frozenset[str]]) -> bool
     own = f"{event.who}."
     other = event.other.removeprefix(own)
     is_hand = event.part.removeprefix(own).startswith("hand_")
-    if not is_hand or event.who not in touched or other not in {*PARTS.values(), *LIMBS}:
+    if not is_hand or event.who not in touched or other not in {*PARTS.values(), *LIMBS, *HANDS}:
         return False
     return other not in touched[event.who]

@@ -151,7 +151,8 @@ class DancerMotion:
                 move = min(
                     self._current_moves[k], key=lambda m: abs(strike.time - m.land), default=None
                 )
-                if move is None or not (clap or self.goals[move.subtask].surface):
+                # A hand on its way to a surface claps with no other.
+                if move is None or clap == (self.goals[move.subtask].surface is not None):
                     continue
                 late = strike.time - move.land + AIM_AHEAD
                 if abs(late) < MATCH_WINDOW:

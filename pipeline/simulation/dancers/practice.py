@@ -16,7 +16,10 @@ from pipeline.spec.dancer import Dancer
 ROUNDS = 5
 """Largest number of trials."""
 
-CONVERGED = 0.012
+BARS = 2
+"""Number of bars that are practised."""
+
+CONVERGED = 0.004
 """Largest error of any touch at which practice ends [s]."""
 
 PRACTICE_STEP_RATE = 1000
@@ -45,9 +48,9 @@ def measure_lateness(
 ) -> dict[BarPosition, float]:
     """Returns how late the hands of a dancer arrive at each touch [s].
 
-    The dancer repeats the first bar, or two bars where it strikes on beats of the bar, and keeps
-    the attempt with the smallest error: a hand that grazes its target touches early or late but
-    hardly ever in between.
+    The dancer repeats the first two bars, for the second begins in the postures in which the first
+    ends, and keeps the attempt with the smallest error: a hand that grazes its target touches
+    early or late but hardly ever in between.
     """
     numbers = {move.subtask for rows in moves.values() for move in rows}
     goals = [choreography.goals[number] for number in sorted(numbers)]
@@ -62,7 +65,7 @@ def measure_lateness(
     attempts = dict[BarPosition, list[tuple[float, float]]]()
     for _ in range(ROUNDS):
         trial = DancerMotion(config, choreography, moves, beat, dt, late)
-        _dance_bars(trial, 2 if strikes else 1)
+        _dance_bars(trial)
         for position, error in trial.timing_errors.items():
             attempts.setdefault(position, []).append((late.get(position, 0.0), error))
         if max(map(abs, trial.timing_errors.values()), default=0.0) < CONVERGED:
@@ -94,9 +97,9 @@ def _next_lead(attempts: Sequence[tuple[float, float]], learnt: float) -> float:
     return low + (high - low) * over / (over - under)
 
 
-def _dance_bars(trial: DancerMotion, bars: int) -> None:
-    """Advances a dancer through some bars and the time in which their last touch may come."""
-    lands = [m.land for rows in trial.moves for m in rows if m.bar < bars]
+def _dance_bars(trial: DancerMotion) -> None:
+    """Advances a dancer through its bars and the time in which their last touch may come."""
+    lands = [m.land for rows in trial.moves for m in rows if m.bar < BARS]
     until = max(lands, default=0.0) + MATCH_WINDOW
     while trial.now < until:
         trial.advance()

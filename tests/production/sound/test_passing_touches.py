@@ -25,7 +25,7 @@ def test_every_place_on_the_body_has_a_part() -> None:
         ("adonis", "adonis.hand_l", "adonis.head", False),
         ("adonis", "hand_r", "forearm_l", True),
         ("adonis", "hand_l", "breast", True),
-        ("adonis", "hand_r", "hand_l", False),
+        ("adonis", "hand_r", "hand_l", True),
         ("adonis", "hand_r", "hermes.forearm_l", False),
         ("adonis", "foot_l", "terrain", False),
         ("crowd", "hand_r", "forearm_l", False),
@@ -37,3 +37,12 @@ def test_what_the_macarena_does_not_touch_is_brushed_in_passing(
     touched = touched_parts(load_scene(library() / f"macarena{SUFFIX}"))
     event = replace(take.events[0], who=who, part=part, other=other)
     assert is_passing(event, touched) is passing
+
+
+def test_hands_that_reach_for_a_place_in_the_air_clap_there(take: Take) -> None:
+    scene = load_scene(library() / f"clapping{SUFFIX}")
+    touched = touched_parts(scene)
+    who = next(iter(touched))
+    clap = replace(take.events[0], who=who, part="hand_r", other="hand_l")
+    assert not is_passing(clap, touched)
+    assert is_passing(replace(clap, other="forearm_l"), touched)

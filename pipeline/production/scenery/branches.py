@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pipeline.production.scenery.furrowed_bark import add_furrowed_bark
 from pipeline.production.scenery.prototype import Shape, add_tubes, unit
 from pipeline.simulation.spatial import Array
 
@@ -112,7 +113,12 @@ def _with_radii(nodes: Array, parents: NDArray[np.int64], foot_radius: float) ->
 
 
 def add_bark(
-    shape: Shape, skeleton: Skeleton, colors: Array, least_radius: float, sides: int
+    shape: Shape,
+    skeleton: Skeleton,
+    colors: Array,
+    least_radius: float,
+    sides: int,
+    furrowed: float = np.inf,
 ) -> None:
     """Add tubes around all branches of at least a radius.
 
@@ -122,6 +128,7 @@ def add_bark(
         colors: (N, 3) of the nodes, linear.
         least_radius: of branches that are shown [m].
         sides: of the tubes.
+        furrowed: radius from which branches have furrows [m].
     """
     shown = np.flatnonzero((skeleton.parents >= 0) & (skeleton.radii >= least_radius))
     if not len(shown):
@@ -139,10 +146,15 @@ def add_bark(
     # The foot of a trunk spreads.
     is_foot = skeleton.parents[above] < 0
     wide = np.where(is_foot, 1.5 * wide, wide)
-    add_tubes(
-        *(shape, skeleton.nodes[above], skeleton.nodes[shown], wide, skeleton.radii[shown]),
-        # Bark changes by degrees: a tube of one colour is seen as a ring.
-        np.stack([colors[above], colors[shown]], axis=1),
-        sides,
-        (start, own),
-    )
+    # Bark changes by degrees: a tube of one colour is seen as a ring.
+    tones = np.stack([colors[above], colors[shown]], axis=1)
+    low, high = skeleton.nodes[above], skeleton.nodes[shown]
+    radii = skeleton.radii[shown]
+    for is_thick in (True, False):
+        some = (radii >= furrowed) == is_thick
+        piece = low[some], high[some], wide[some], radii[some], tones[some]
+        ways = start[some], own[some]
+        if not is_thick:
+            add_tubes(shape, *piece, sides, ways)
+        elif some.any():
+            add_furrowed_bark(shape, *piece, ways)

@@ -155,6 +155,9 @@ LEVELS = ((1.0, 1.0, 7, 4), (0.9, 1.0, 5, 2), (0.46, 1.65, 4, 1), (0.11, 3.7, 3,
 """Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
 leaf."""
 
+FURROWED = 0.4
+"""Radius relative to the foot from which the branches of near trees have furrows."""
+
 SPRAY = (7, 5, 3, 1)
 """Leaves of a shoot by level of detail."""
 
@@ -271,7 +274,9 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
         bark = np.asarray(config.bark) * light
     tall, low = (0.03, 0.08, 0.2, 0.42), (0.1, 0.4, 0.8, 2.0)
     least = config.foot * (low if config.is_shrub else tall)[level]
-    add_bark(shape, skeleton, bark, least, sides)
+    is_near = level <= 1 and not config.is_shrub and kind != "birch"
+    furrowed = FURROWED * config.foot if is_near else np.inf
+    add_bark(shape, skeleton, bark, least, sides, furrowed)
     # Leaves grow on shoots of thin twigs only.
     thin = np.flatnonzero(skeleton.radii < (0.6 if config.is_shrub else 0.2) * config.foot)
     each = SPRAY[level]

@@ -7,6 +7,9 @@ import pytest
 
 from pipeline.production.scenery import clumps
 from pipeline.production.scenery.birch_bark import SLIT, bark_colors
+from pipeline.production.scenery.branches import add_bark
+from pipeline.production.scenery.furrowed_bark import RINGS, SIDES
+from pipeline.production.scenery.prototype import Shape
 from pipeline.production.scenery.species import prototype
 from pipeline.production.scenery.trees import CROWNS, HABITS, crown_skeleton, crown_tree, habit
 
@@ -51,3 +54,22 @@ def test_a_far_tree_is_a_clump_of_smaller_ones() -> None:
     assert several.vertices[:, 1].max() < 1.3 * one.vertices[:, 1].max()
     near = clumps.tree(lambda seed, level: crown_tree("oak", seed, level), 3, 7, 2)
     assert near.triangles == crown_tree("oak", 7, 2).triangles
+
+
+def test_near_trunks_have_furrows_and_pieces_that_meet() -> None:
+    skeleton = crown_skeleton("oak", 7)
+    shape = Shape()
+    colors = np.ones((len(skeleton.nodes), 3))
+    add_bark(shape, skeleton, colors, 0.9 * skeleton.radii.max(), 7, 0.0)
+    bark = shape.prototype()
+    rings = bark.vertices.reshape(-1, RINGS, SIDES, 3)
+    # A round trunk of one tone would have the same distance, and tone, all around.
+    middle = rings.mean(axis=2, keepdims=True)
+    out = np.linalg.norm(rings - middle, axis=-1)
+    assert (out.std(axis=-1) / out.mean(axis=-1)).min() > 0.02
+    tones = bark.colors.reshape(rings.shape)[..., 0]
+    assert (tones.max(axis=-1) > 1.5 * tones.min(axis=-1)).all()
+    ends, starts = rings[:-1, -1], rings[1:, 0]
+    above = np.abs(ends.mean(axis=1) - starts.mean(axis=1)).max(axis=-1) < 1e-3
+    assert above.any()
+    assert np.abs(ends - starts)[above].max() < 0.02 * skeleton.radii.max()

@@ -141,7 +141,8 @@ def test_touches_of_a_dance_are_on_the_beats_of_the_file(name: str, rate: Any) -
     notes = [note for note in notes_of(score) if not note.is_music]
     # Hands brush their own arms between the beats, too.
     onsets = [note.onset for note in notes if not note.event.is_passing]
-    assert len(onsets) >= 0.75 * len(notes)
+    # Hands that brush past each other or past the head on their way are not meant.
+    assert len(onsets) >= 0.6 * len(notes)
     meant = np.abs(plan.grid_distances(onsets, Fraction(1, 4)))
     # To the resolution of the bar line.
     assert (meant <= 0.5 + 1 / 40).mean() >= 0.95

@@ -83,6 +83,7 @@ def test_a_film_of_workers_segments_is_the_one_of_one_process(
     assert not list(there.made.glob(".*"))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_segments_that_are_damaged_or_missing_are_encoded_by_the_assembly(
     farmed: Farmed, store: Store, there: Studio, encoded_here: list[int]

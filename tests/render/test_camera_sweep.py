@@ -50,6 +50,7 @@ def exposed(make_shot: Make, moments: int, *, is_still: bool) -> Shot:
     return replace(shot, camera=poses[0], later=later)
 
 
+@pytest.mark.nightly
 def test_a_post_beside_the_way_is_blurred_as_by_many_moments(
     renderer: Renderer, make_shot: Make
 ) -> None:

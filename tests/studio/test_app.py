@@ -207,6 +207,7 @@ def test_a_film_is_rendered_by_the_queue(served: Served) -> None:
     assert (served.folder / "out" / "tiny" / "tiny.mp4").stat().st_size > 0
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_film_is_stopped(served: Served) -> None:
     (served.folder / "long.yaml").write_text(TINY.replace("frames: 2", "frames: 2000"))

@@ -123,6 +123,7 @@ def test_a_coat_that_cannot_grow_is_told() -> None:
         assert not told or notes[-1].place.endswith(":7")
 
 
+@pytest.mark.nightly
 def test_a_figure_may_be_shorn() -> None:
     for coat, some in (("long", True), ("none", False)):
         shot = builder("sheep", drawn=SHEEP.replace("COAT", coat)).shot(1)

@@ -152,6 +152,7 @@ def test_vertices_in_the_middle_follow_no_side(proportions: Proportions, clothes
         np.testing.assert_allclose(pulled[middle], 0.0, atol=1e-6)
 
 
+@pytest.mark.nightly
 @pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])

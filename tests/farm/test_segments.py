@@ -132,7 +132,7 @@ def test_a_segment_of_lost_frames_names_them(farmed: Farmed, store: Store) -> No
         encode_segment(store, farmed.film, SEGMENTS[1])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_film_of_other_frames_or_settings_takes_no_segment_of_this(
     farmed: Farmed, store: Store, there: Studio, encoded_here: list[int]
 ) -> None:

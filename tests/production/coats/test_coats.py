@@ -56,7 +56,12 @@ def triangles(meshes: Sequence[Mesh]) -> int:
 
 
 @pytest.mark.parametrize(
-    ("figure", "material"), [("kangaroo", HAIR), ("horse", HAIR), ("ostrich", FEATHERS)]
+    ("figure", "material"),
+    [
+        pytest.param("kangaroo", HAIR, marks=pytest.mark.nightly),
+        ("horse", HAIR),
+        ("ostrich", FEATHERS),
+    ],
 )
 def test_animals_have_the_coat_of_their_material(figure: str, material: str) -> None:
     found = strands(figure)

@@ -64,14 +64,6 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> Bases:
 # --- named changes ----------------------------------------------------------------
 
 
-def _first_daily(named: Sequence[Any]) -> list[Any]:
-    """Return cases: the first in the full tier, the rest nightly."""
-    return [
-        pytest.param(one, id=one.name, marks=pytest.mark.nightly if k else pytest.mark.slow)
-        for k, one in enumerate(named)
-    ]
-
-
 class Elsewhere(GoldenRenderer):
     """A renderer that says to be of another environment."""
 
@@ -98,7 +90,8 @@ def test_a_fault_is_found_and_named(bases: Bases, fault: Fault) -> None:
     assert fault.says in str(verdict)
 
 
-@pytest.mark.parametrize("change", _first_daily(HARMLESS))
+@pytest.mark.nightly
+@pytest.mark.parametrize("change", HARMLESS, ids=lambda change: change.name)
 def test_a_harmless_change_passes(bases: Bases, change: Harmless) -> None:
     base = bases[change.base]
     where = change.environment

@@ -125,7 +125,7 @@ def moved(take: Take, first_step: int, metres: float) -> Take:
     return replace(take, positions=positions)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_chaotic_take_is_compared_up_to_its_horizon(
     golden: MotionGolden, elsewhere: Take
 ) -> None:

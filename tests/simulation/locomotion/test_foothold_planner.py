@@ -101,7 +101,7 @@ def test_early_predictions_equal_late_ones(walkers: WalkerTroupe, off: float) ->
         assert_same(early.predicted(request.leg), in_time.predicted(request.leg))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_each_foothold_of_a_walk_is_predicted_once(
     walkers: WalkerTroupe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -140,7 +140,7 @@ def test_predictions_of_a_redirected_creature_are_discarded(walkers: WalkerTroup
     assert all(planner.predicted(leg) is None for leg in known)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_residuals_equal_those_of_solved_limbs(walkers: WalkerTroupe) -> None:
     legs, chains = walkers.herd.legs, walkers.herd.chains
     rng = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.production.scenery.prototype import Shape, across, unit
+from pipeline.production.scenery.prototype import Shape, band_faces, outward, unit
 from pipeline.simulation.spatial import Array
 
 SIDES, RINGS = 32, 5
@@ -45,12 +45,9 @@ def add_furrowed_bark(
         ways: directions (N, 3) of the rings at both ends.
     """
     angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    rings = []
-    for way in ways:
-        u, w = across(way)
-        rings.append(np.cos(angle)[:, None] * u[:, None] + np.sin(angle)[:, None] * w[:, None])
+    first, last = (outward(way, SIDES)[:, None] for way in ways)
     share = np.linspace(0.0, 1.0, RINGS)[:, None]
-    out = unit(_between(rings[0][:, None], rings[1][:, None], share[..., None]))
+    out = unit(_between(first, last, share[..., None]))
     axis = _between(starts[:, None], ends[:, None], share)
     radius = _between(start_radii[:, None, None], end_radii[:, None, None], share)
     ridge = _ridges(angle, axis[..., 1:2])
@@ -65,11 +62,9 @@ def add_furrowed_bark(
     tones = _between(colors[:, :1], colors[:, 1:], share)[:, :, None] * (
         1.0 - DARK * (1.0 - ridge[..., None])
     )
-    j = np.arange(SIDES)
-    q = (j + 1) % SIDES
-    low = np.stack([j, q, q + SIDES, j, q + SIDES, j + SIDES], axis=-1).reshape(-1, 3)
-    first = SIDES * (np.arange(RINGS - 1) + RINGS * np.arange(len(starts))[:, None])
-    shape.add(points, normals, tones, low + first.reshape(-1, 1, 1), thin=False)
+    numbers = SIDES * (np.arange(RINGS - 1) + RINGS * np.arange(len(starts))[:, None])
+    faces = band_faces(SIDES) + numbers.reshape(-1, 1, 1)
+    shape.add(points, normals, tones, faces, thin=False)
 
 
 def _between(first: Array, second: Array, share: Array) -> Array:

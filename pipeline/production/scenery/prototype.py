@@ -101,6 +101,20 @@ def across(directions: Array) -> tuple[Array, Array]:
     return aside, np.cross(directions, aside)
 
 
+def outward(directions: Array, sides: int) -> Array:
+    """Return unit vectors (..., sides, 3) around directions (..., 3)."""
+    angle = 2.0 * np.pi * np.arange(sides)[:, None] / sides
+    u, w = (part[..., None, :] for part in across(directions))
+    return np.asarray(np.cos(angle) * u + np.sin(angle) * w)
+
+
+def band_faces(sides: int) -> NDArray[np.int64]:
+    """Return the triangles (2 * sides, 3) between a ring of vertices and the one after it."""
+    j = np.arange(sides)
+    q = (j + 1) % sides
+    return np.stack([j, q, q + sides, j, q + sides, j + sides], axis=-1).reshape(-1, 3)
+
+
 def mixed(first: Array | Color, second: Array | Color, share: Array) -> Array:
     """Return colours (..., 3) between two, by shares (...) of the second."""
     a, b = np.asarray(first, float), np.asarray(second, float)
@@ -264,17 +278,12 @@ def add_tubes(
     """
     along = unit(ends - starts)
     first, second = ways or (along, along)
-    angle = 2.0 * np.pi * np.arange(sides) / sides
     rings, normals = [], []
     for at, radius, way in ((starts, start_radii, first), (ends, end_radii, second)):
-        u, w = across(way)
-        out = np.cos(angle)[:, None] * u[:, None] + np.sin(angle)[:, None] * w[:, None]
+        out = outward(way, sides)
         rings.append(at[:, None] + radius[:, None, None] * out)
         normals.append(out)
-    j = np.arange(sides)
-    q = (j + 1) % sides
-    low = np.stack([j, q, q + sides, j, q + sides, j + sides], axis=-1).reshape(-1, 3)
-    faces = low[None] + (2 * sides * np.arange(len(starts)))[:, None, None]
+    faces = band_faces(sides)[None] + (2 * sides * np.arange(len(starts)))[:, None, None]
     shape.add(
         np.concatenate(rings, axis=1),
         np.concatenate(normals, axis=1),

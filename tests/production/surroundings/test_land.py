@@ -9,8 +9,12 @@ from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import PLATFORM_HEIGHT, Land
 from pipeline.production.surroundings.land_mesh import land_mesh, wall_mesh
 from pipeline.production.surroundings.landforms import LANDFORMS, REACH
-from pipeline.production.surroundings.lattice_noise import noise, noise_with_slopes
-from pipeline.production.surroundings.rings import distances
+from pipeline.production.surroundings.lattice_noise import (
+    fractal,
+    noise,
+    noise_with_slopes,
+)
+from pipeline.production.surroundings.rings import AROUND, distances
 from pipeline.simulation.take import TerrainRecord
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec.scene_loader import read_scene
@@ -40,6 +44,23 @@ def test_slopes_of_noise_are_its_derivatives() -> None:
         step[axis] = 1e-3
         rise = (noise(p + step, 3).astype(float) - noise(p - step, 3)) / 2e-3
         assert np.abs(rise - slopes[:, axis]).max() < 0.02
+
+
+def test_noise_leaves_out_what_places_are_too_far_apart_to_show() -> None:
+    p = np.random.default_rng(2).uniform(-40, 40, (500, 2))
+    whole = fractal(p, 3, 4)
+    np.testing.assert_array_equal(fractal(p, 3, 4, spacing=0.01), whole)
+    assert not fractal(p, 3, 4, spacing=1.0).any()
+
+
+def test_neighbours_on_far_land_are_of_like_colours(rough: TerrainRecord) -> None:
+    mesh = land_mesh(Land(rough, "plain", seed=4), rough, "dry soil", GREEN)
+    assert mesh.cover is not None
+    numbers = len(mesh.vertices) - np.arange(8 * AROUND, 0, -1)
+    color = mesh.cover[numbers, 1].reshape(8, AROUND)
+    # A random value a vertex would be seen as dots, of neither side's tone.
+    odd = color[:, 1:-1] - 0.5 * (color[:, 2:] + color[:, :-2])
+    assert odd.std() < 0.25 * color.std()
 
 
 def test_heights_and_slopes_go_on_over_the_edge(rough: TerrainRecord) -> None:

@@ -8,14 +8,27 @@ export const isAgain = new URLSearchParams(location.search).has("again");
 history.replaceState(null, "", "/");
 sessionStorage.studioToken = token;
 // So that pages that are open beside each other keep their own takes, also when they are loaded again.
-sessionStorage.studioPage ??= crypto.randomUUID();
-const page = sessionStorage.studioPage;
+// While a page is open its name is not in storage, which a duplicated tab copies.
+const page = sessionStorage.studioPage ?? crypto.randomUUID();
+sessionStorage.removeItem("studioPage");
+window.addEventListener("pagehide", () => (sessionStorage.studioPage = page));
 
 export class Refusal extends Error {
   constructor(status, answer) {
     super(answer.error);
     this.status = status;
     this.problems = answer.problems || [];
+  }
+}
+
+// Does work, reports the first line of a refusal, and tells whether the work was done.
+export async function guarded(report, work) {
+  try {
+    return (await work()) !== false;
+  } catch (error) {
+    if (!(error instanceof Refusal)) throw error;
+    report(error.message.split("\n")[0], true);
+    return false;
   }
 }
 

@@ -1,6 +1,6 @@
 // The text of a figure beside its drawing: what is typed is drawn, what is drawn is written.
 
-import { ask, latest, Refusal } from "./api.js";
+import { ask, guarded, latest } from "./api.js";
 import { textEditor } from "./text_editor.js";
 
 export class FigureText {
@@ -12,8 +12,8 @@ export class FigureText {
     this.editor = null;
     // What is typed and not drawn: it is being read, or it is no figure.
     this.typed = null;
-    this.check = latest((text) => this.#guarded(() => this.#check(text)));
-    this.follow = latest(() => this.#guarded(() => this.#follow()));
+    this.check = latest((text) => guarded(this.report, () => this.#check(text)));
+    this.follow = latest(() => guarded(this.report, () => this.#follow()));
   }
 
   get isShown() {
@@ -72,14 +72,5 @@ export class FigureText {
     if (this.typed !== null) return;
     this.#write(() => this.editor.write(text));
     await this.check(this.editor.text);
-  }
-
-  async #guarded(work) {
-    try {
-      await work();
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      this.report(error.message.split("\n")[0], true);
-    }
   }
 }

@@ -1,7 +1,7 @@
 // The library: figures, scenes, materials, dances and voices, with pictures and sounds, to open or
 // to begin something new from.
 
-import { ask, askBytes, Refusal } from "./api.js";
+import { ask, askBytes, guarded, Refusal } from "./api.js";
 
 const SHORT = (name) => name.replace(/^library:/, "").replace(/^figures\//, "").replace(/\.yaml$/, "");
 const HEARD = ["material", "instrument", "drum"];
@@ -125,17 +125,8 @@ export class Library {
     this.isFetching = false;
   }
 
-  async #guarded(work) {
-    try {
-      await work();
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      this.report(error.message.split("\n")[0], true);
-    }
-  }
-
   #hear(kind, name, button) {
-    return this.#guarded(async () => {
+    return guarded(this.report, async () => {
       button.classList.add("on");
       try {
         this.report(`${name}: playing it …`);
@@ -152,14 +143,14 @@ export class Library {
   }
 
   #newFrom(kind, source) {
-    return this.#guarded(async () => {
+    return guarded(this.report, async () => {
       const wished = prompt(`Name of the new ${kind === "figure" ? "figure" : "scene"}`, `my_${SHORT(source).replaceAll(" ", "_")}`);
       if (wished) await this.open((await ask("new-from", { kind, source, name: wished })).name);
     });
   }
 
   #newScene() {
-    return this.#guarded(async () => {
+    return guarded(this.report, async () => {
       const name = prompt("Name of the scene", "hello");
       if (name) await this.open((await ask("new-scene", { name })).name);
     });

@@ -1,6 +1,6 @@
 // The page: which document is open, and what is done with it.
 
-import { ask, isAgain, Refusal } from "./api.js";
+import { ask, guarded, isAgain, Refusal } from "./api.js";
 import { Editor } from "./editor.js";
 import { Library } from "./library.js";
 import { Player } from "./player.js";
@@ -40,19 +40,8 @@ function refresh() {
 editor.onChange = refresh;
 player.onChange = refresh;
 
-// Tells whether the work was done.
-async function guarded(work) {
-  try {
-    return (await work()) !== false;
-  } catch (error) {
-    if (!(error instanceof Refusal)) throw error;
-    report(error.message.split("\n")[0], true);
-    return false;
-  }
-}
-
 const open = (name) =>
-  guarded(async () => {
+  guarded(report, async () => {
     if (shown?.isDirty && !confirm("What was changed is not saved. Open another document?")) return false;
     const document_ = await ask("open", { name });
     show(document_.kind === "figure" ? "figure" : "scene");
@@ -63,7 +52,7 @@ const open = (name) =>
   });
 
 const save = () =>
-  guarded(async () => {
+  guarded(report, async () => {
     const { document: document_ } = shown;
     let { name } = document_;
     if (shown.isEmpty) return report("there is nothing to save yet", true);
@@ -91,7 +80,7 @@ const save = () =>
   });
 
 const render = () =>
-  guarded(async () => {
+  guarded(report, async () => {
     if (player.isDirty || !player.document.name || player.document.is_shipped) {
       if (!(await save())) return false;
     }
@@ -101,14 +90,14 @@ const render = () =>
   });
 
 const showLibrary = () =>
-  guarded(async () => {
+  guarded(report, async () => {
     show("library");
     await library.show();
   });
 
 $("tab-library").onclick = () => ($("library").hidden ? showLibrary() : show(shown === player ? "scene" : "figure"));
 $("tab-renders").onclick = () =>
-  guarded(async () => {
+  guarded(report, async () => {
     if (!$("renders").hidden) return show(shown === player ? "scene" : "figure");
     show("renders");
     await renders.refresh();

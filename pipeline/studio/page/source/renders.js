@@ -1,6 +1,6 @@
 // The render queue: films as they are made, each with its newest frame.
 
-import { ask, askBytes, Refusal } from "./api.js";
+import { ask, askBytes, guarded } from "./api.js";
 
 const REFRESH = 1000; // ms
 
@@ -24,13 +24,8 @@ export class Renders {
     }
   }
 
-  async #refreshQuietly() {
-    try {
-      await this.refresh();
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      this.report(error.message.split("\n")[0], true);
-    }
+  #refreshQuietly() {
+    return guarded(this.report, () => this.refresh());
   }
 
   async #picture({ number, state }) {
@@ -41,13 +36,10 @@ export class Renders {
     } else if (state !== "rendering" && state !== "waiting") this.pictures.set(number, "data:,");
   }
 
-  async #openFolder(number) {
-    try {
+  #openFolder(number) {
+    return guarded(this.report, async () => {
       this.report((await ask("open-folder", { number })).folder);
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      this.report(error.message, true);
-    }
+    });
   }
 
   #article({ number, scene, preset, state, stage, text }) {

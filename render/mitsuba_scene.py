@@ -19,6 +19,7 @@ from render.airborne.airborne_pass import (
     PUFF_RAYS,
     AirborneExposure,
     AirbornePass,
+    airborne_area,
     airborne_contents,
 )
 from render.camera_sweep import CameraSweep
@@ -225,10 +226,10 @@ class MitsubaScene:
 
     def airborne_exposure(self, shot: Shot) -> AirborneExposure | None:
         """Return what is in the air before the first moment of a shot, None where it is empty."""
-        is_empty = not any(moment.plumes or moment.puffs for moment in shot.moments)
-        if (is_empty and not self._light.weather.falls) or not dr.is_jit_v(mi.Float):
+        area = airborne_area(shot.moments, self._film.size, self._light.weather)
+        if not area.any() or not dr.is_jit_v(mi.Float):
             return None
-        return AirbornePass(self._traced, self._film.size, self.air).begin()
+        return AirbornePass(self._traced, area, self.air).begin()
 
     def add_airborne(self, exposure: AirborneExposure, moment: Moment, k: int, count: int) -> None:
         """Add what is in the air at the k-th of `count` moments of an exposure."""

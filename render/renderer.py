@@ -150,7 +150,8 @@ class Renderer:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):
             layers = accumulator.layers()
-            layers = airborne.over(layers) if airborne else layers
+            if airborne:
+                airborne.lay_over(layers)
             return layers, exposure.images() if exposure else PassImages()
 
     def scene_for(self, shot: Shot) -> MitsubaScene:

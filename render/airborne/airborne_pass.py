@@ -1,20 +1,23 @@
 """Airborne pass: what is in the air before the surfaces, laid over the traced light.
 
-It is traced apart, by few rays through each pixel up to the first surface, and laid over the layers
-of light before they are denoised: rain has no noise, and what glows or scatters in the air is no
-business of the surfaces behind. Reflections lack it.
+It is traced apart, by few rays through each pixel where it may be seen, up to the first surface,
+and laid over the layers of light before they are denoised: rain has no noise, and what glows or
+scatters in the air is no business of the surfaces behind. Reflections lack it.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+from numpy.typing import NDArray
 
+from render.airborne.picture_area import picture_area
 from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
 from render.airborne.precipitation import Precipitation
 from render.airborne.puffs import Puffs
@@ -26,7 +29,7 @@ from render.shot import Moment
 from render.tracing.camera_rays import camera_ray
 from render.tracing.haze import Air
 from render.tracing.stratification import PassStrata, stratum_grid
-from render.tracing.tracer import PixelLanes
+from render.tracing.tracer import in_chunks, pixels_of
 
 PLUME_RAYS = 4
 """Rays through each pixel of a frame, at least, where there are flames or smoke."""
@@ -56,17 +59,19 @@ class AirbornePass:
 
     Args:
         scene: of Mitsuba, or a `ScenePair`.
-        size: width and height of the frame [pixels].
+        area: (H, W) where something may be seen.
         air: haze before what is in the air, None without any.
     """
 
-    def __init__(self, scene: Any, size: tuple[int, int], air: Air | None) -> None:
+    def __init__(self, scene: Any, area: NDArray[np.bool_], air: Air | None) -> None:
         self._scene, self._air = scene, air
-        self._lanes = PixelLanes(size)
+        self._size = (area.shape[1], area.shape[0])
+        self._pixels = pixels_of(area)
+        self._chunks = in_chunks(self._pixels)
 
     def begin(self) -> AirborneExposure:
         """Return what is in the air before the first moment of a frame."""
-        return AirborneExposure(self)
+        return AirborneExposure(self, self._pixels)
 
     def traced(
         self,
@@ -76,7 +81,7 @@ class AirbornePass:
         k: int,
         total: int,
     ) -> Image:
-        """Return the share of light that passes, and the light added, (H, W, 4).
+        """Return the share of light that passes, and the light added, (n, 4) of all pixels.
 
         Args:
             sensor: of the scene.
@@ -85,13 +90,13 @@ class AirbornePass:
             k: number of the ray through each pixel.
             total: rays through each pixel of the frame.
         """
-        width, height = self._lanes.size
-        angle = dr.opaque(mi.Float, 2 * math.tan(math.radians(fov_deg) / 2) / height)
+        angle = 2 * math.tan(math.radians(fov_deg) / 2) / self._size[1]
+        angle = dr.opaque(mi.Float, angle)
         number = dr.opaque(mi.UInt32, k)
         strata = PassStrata(0, k, stratum_grid(total))
-        values = dr.empty(mi.Float, 4 * width * height)
-        for pixels in self._lanes.chunks:
-            ray = camera_ray(sensor, pixels, self._lanes.size, strata.step(0))
+        found = []
+        for pixels in self._chunks:
+            ray = camera_ray(sensor, pixels, self._size, strata.step(0))
             hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
             distance = dr.select(hit.is_valid(), hit.t, 1e6)
             passed, light = mi.Float(1.0), mi.Color3f(0.0)
@@ -108,10 +113,11 @@ class AirbornePass:
                 share, added = plume.seen(ray, distance, ray_jitter(pixels, number))
                 light += passed * self._in_haze(ray, plume, share, added)
                 passed = passed * share
+            values = dr.empty(mi.Float, 4 * dr.width(pixels))
             for channel, value in enumerate((passed, *light)):
-                dr.scatter(values, value, 4 * pixels + channel)
-            dr.eval(values)
-        return np.array(values, np.float32).reshape(height, width, 4)
+                dr.scatter(values, value, 4 * dr.arange(mi.UInt32, dr.width(pixels)) + channel)
+            found.append(np.array(values, np.float32).reshape(-1, 4))
+        return np.concatenate(found)
 
     def _through_rain(
         self, falling: Precipitation, ray: Any, hit: Any, distance: Any, angle: Any
@@ -132,6 +138,26 @@ class AirbornePass:
         away = dr.norm(plume.middle() - ray.o)
         clear = self._air.transmittance(ray.o, ray.d, away)
         return light * clear + self._air.scattered(ray.d) * ((1.0 - clear) * (1.0 - share))
+
+
+def airborne_area(
+    moments: Sequence[Moment], size: tuple[int, int], weather: Weather
+) -> NDArray[np.bool_]:
+    """Return whether something in the air may be seen in a pixel at some moment, (H, W).
+
+    Args:
+        moments: of an exposure.
+        size: width and height of the frame [pixels].
+        weather: of the scene.
+    """
+    area = np.full((size[1], size[0]), weather.falls)
+    if weather.falls:
+        return area
+    for moment in moments:
+        spheres = [puff.bounding_sphere for puff in moment.puffs]
+        spheres += [plume.bounding_sphere for plume in moment.plumes]
+        area |= picture_area(moment.camera, np.array(spheres).reshape(-1, 4), size)
+    return area
 
 
 def airborne_contents(
@@ -158,35 +184,42 @@ def airborne_contents(
 
 
 class AirborneExposure:
-    """What is in the air while the shutter is open."""
+    """What is in the air while the shutter is open.
 
-    def __init__(self, tracer: AirbornePass) -> None:
-        self._tracer = tracer
-        self._sum: Image | None = None
+    Args:
+        tracer: of the scene.
+        pixels: numbers of those that it traces.
+    """
+
+    def __init__(self, tracer: AirbornePass, pixels: NDArray[np.uint32]) -> None:
+        self._tracer, self._pixels = tracer, pixels
+        self._sum = np.zeros((len(pixels), 4), np.float32)
         self._count = 0
 
     def add(self, *moment: Any) -> None:
         """Add one ray through each pixel; see `AirbornePass.traced`."""
-        seen = self._tracer.traced(*moment)
-        self._sum = seen if self._sum is None else self._sum + seen
+        if len(self._pixels):
+            self._sum += self._tracer.traced(*moment)
         self._count += 1
 
-    def over(self, layers: LightLayers) -> LightLayers:
-        """Return the layers of light with what is in the air before them."""
-        if self._sum is None:
-            return layers
-        mean = self._sum / np.float32(self._count)
-        passed, added = mean[..., :1], mean[..., 1:]
-        soft = passed
+    def lay_over(self, layers: LightLayers) -> None:
+        """Lay what is in the air over the layers of light, in place."""
+        if len(self._pixels) == 0:
+            return
+        width = layers.albedo.shape[1]
+        # Pairs of rows, for light at half the size; frames have an even number of them.
+        top = int(self._pixels.min()) // (2 * width) * 2
+        bottom = (int(self._pixels.max()) // (2 * width) + 1) * 2
+        seen = np.zeros(((bottom - top) * width, 4), np.float32)
+        seen[:, 0] = 1.0
+        seen[self._pixels - np.uint32(top * width)] = self._sum / np.float32(self._count)
+        passed, added = np.split(seen.reshape(bottom - top, width, 4), [1], axis=-1)
+        for layer in (layers.direct, layers.albedo, layers.air):
+            layer[top:bottom] *= passed
+        layers.air[top:bottom] += added
         if layers.indirect.shape != layers.direct.shape:
             # Light at half the size is dimmed where it is enlarged again: with its albedo.
-            height, width = layers.indirect.shape[:2]
-            soft = passed[: 2 * height, : 2 * width].reshape(height, 2, width, 2, 1).mean((1, 3))
-        return replace(
-            layers,
-            direct=layers.direct * passed,
-            albedo=layers.albedo * passed,
-            indirect=layers.indirect * soft,
-            indirect_albedo=layers.indirect_albedo * soft,
-            air=layers.air * passed + added,
-        )
+            passed = passed.reshape((bottom - top) // 2, 2, width // 2, 2, 1).mean((1, 3))
+            top, bottom = top // 2, bottom // 2
+        for layer in (layers.indirect, layers.indirect_albedo):
+            layer[top:bottom] *= passed

@@ -22,7 +22,7 @@ import numpy as np
 
 from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice, noise3
-from render.plume import Plume
+from render.plume import SMOKE_WIDENING, Plume
 
 STEPS = {"flame": 26, "smoke": 22}
 """Samples along a ray through a plume."""
@@ -33,8 +33,6 @@ _SMOKE_DEPTH = 4.5
 """Optical depth across the foot of smoke."""
 _FLAME_DEPTH = 0.35
 """Optical depth across flames."""
-_WIDENING = 2.4
-"""Growth of smoke on its way, in radii of its foot."""
 _FLAME_LIGHT = 1.0
 """Radiant intensity of flames for each unit of glow and square metre of their outline."""
 
@@ -90,7 +88,9 @@ class PlumeVolume:
         self._key: Any = mi.Color3f(*(opaque(v) for v in light.key / (4 * np.pi)))
         self._ambient: Any = mi.Color3f(*(opaque(v) for v in light.ambient))
         self._flames = [_Glow.of(flame) for flame in flames] if plume.kind == "smoke" else []
-        self.low, self.high = self._bounds(plume)
+        self.low, self.high = (
+            mi.Point3f(*(dr.opaque(mi.Float, float(v)) for v in corner)) for corner in plume.bounds
+        )
 
     def seen(self, ray: Any, distance: Any, jitter: Any) -> tuple[Any, Any]:
         """Return the share of light that passes, `mi.Float`, and the light added, `mi.Color3f`.
@@ -138,20 +138,6 @@ class PlumeVolume:
         """Return the middle of the plume's bounds [m]."""
         return 0.5 * (self.low + self.high)
 
-    def _bounds(self, plume: Plume) -> tuple[Any, Any]:
-        wide = plume.radius * (1.8 if plume.kind == "flame" else 1.8 * (1.0 + _WIDENING))
-        foot = np.array(plume.p_WP)
-        rise = max(plume.speed, 0.05)
-        drift = np.array([plume.wind[0], 0.0, plume.wind[1]]) * (plume.height / rise)
-        top = foot + drift + [0.0, plume.height, 0.0]
-        ends = np.stack([foot - [wide, 0.1 * wide, wide], foot + wide, top - wide, top + wide])
-        ends[3, 1], ends[1, 1] = top[1], foot[1]
-        low, high = ends.min(axis=0), ends.max(axis=0)
-        return (
-            mi.Point3f(*(dr.opaque(mi.Float, float(v)) for v in low)),
-            mi.Point3f(*(dr.opaque(mi.Float, float(v)) for v in high)),
-        )
-
     def _density(self, p: Any, octaves: int) -> tuple[Any, Any, Any]:
         """Return extinction [1/m], heat from 0 to 1, and radius of the plume there [m]."""
         q = p - self._foot
@@ -183,8 +169,8 @@ class PlumeVolume:
         return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, wide
 
     def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
-        wide = self._radius * (1.0 + _WIDENING * s)
-        size = 1.0 / (self._radius * (1.0 + 0.5 * _WIDENING))
+        wide = self._radius * (1.0 + SMOKE_WIDENING * s)
+        size = 1.0 / (self._radius * (1.0 + 0.5 * SMOKE_WIDENING))
         up = (y - self._risen) * size
         wave = 0.55 * up + self._seed[1]
         sway = 0.7 * wide * s

@@ -16,12 +16,10 @@ import numpy as np
 
 from render.airborne.plumes import PlumeLight
 from render.lights.lattice_noise import noise3
-from render.plume import Puff
+from render.plume import PUFF_REACH, Puff
 
 _FLATNESS = 1.5
 """Width of a puff, in heights."""
-_REACH = 2.2
-"""Radii beyond which nothing is left."""
 _FORWARD = 1.6
 """Light that dust scatters of the key light, relative to what it would scatter to all sides."""
 _AROUND = 1.25
@@ -83,7 +81,7 @@ class Puffs:
             t = dr.dot(way, d) / scale
             nearest = way - d * t
             out = dr.dot(nearest, nearest) / (radius * radius)
-            is_near = (out < _REACH * _REACH) & (t > 0.0)
+            is_near = (out < PUFF_REACH * PUFF_REACH) & (t > 0.0)
 
             def thickened(depth: Any, color: Any) -> Any:
                 # Of the whole depth, what lies before the surface.
@@ -93,7 +91,7 @@ class Puffs:
                 ragged = 0.65 * noise3(q.x + salt, q.y, q.z) + 0.35 * noise3(
                     2.3 * q.x, 2.3 * q.y + salt, 2.3 * q.z
                 )
-                edge = dr.clip(1.0 - out / (_REACH * _REACH), 0.0, 1.0)
+                edge = dr.clip(1.0 - out / (PUFF_REACH * PUFF_REACH), 0.0, 1.0)
                 shape = dr.exp(-out) * edge * dr.clip(3.2 * ragged - 0.9, 0.0, 1.8)
                 here = dr.gather(mi.Float, self.depth, i) * part * shape
                 own: Any = dr.gather(mi.Color3f, self.color, i)

@@ -1,6 +1,7 @@
 """BSDF plugins in Python: diffuse, thin and glossy surfaces with a pattern shader.
 
-The shader is called once per point, gives the colour and bends the normal. The diffuse surface
+The shader is called once per point, gives the colour and bends the normal; so a surface is asked
+for its value, a sample and its albedo at once (`eval_pdf_albedo`). The diffuse surface
 reflects at most its colour: the energy of a cosine about the bent normal, less what would go
 below the surface. The glossy one wraps a BSDF of Mitsuba, which it hands the colour through a
 texture.
@@ -8,6 +9,8 @@ texture.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
@@ -42,6 +45,40 @@ def _plugin_class(methods: type, base: str, variant: str) -> type:
     found = {k: v for owner in reversed(methods.__mro__) for k, v in vars(owner).items()}
     own = {k: v for k, v in found.items() if not k.startswith("__")}
     return type(methods.__name__, (getattr(mi, base),), own)
+
+
+def eval_pdf_albedo(bsdf: Any, si: Any, wo: Any) -> tuple[Any, Any, Any]:
+    """Return the value of any BSDF towards `wo`, the density of sampling it, and the albedo."""
+    with _shading_once(bsdf, si):
+        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
+
+
+def eval_pdf_sample_albedo(
+    bsdf: Any, si: Any, wo: Any, sample1: Any, sample2: Any
+) -> tuple[Any, Any, Any, Any, Any]:
+    """Return the same of any BSDF with a sample and its weight before the albedo."""
+    with _shading_once(bsdf, si):
+        found = bsdf.eval_pdf_sample(mi.BSDFContext(), si, wo, sample1, sample2)
+        return *found, bsdf.eval_diffuse_reflectance(si)
+
+
+@contextmanager
+def _shading_once(bsdf: Any, si: Any) -> Iterator[None]:
+    """Have a BSDF of this module call its shader for these points once, whatever it is asked.
+
+    Dr.Jit does not see that a second call reads the same texels: its kernels would read them
+    twice, which is a third of the time of a surface.
+    """
+    shader = getattr(bsdf, "shader", None)
+    if shader is None:
+        yield
+        return
+    color, normal = shader(si)
+    bsdf.shader = lambda si: (mi.Color3f(color), mi.Normal3f(normal))
+    try:
+        yield
+    finally:
+        bsdf.shader = shader
 
 
 def diffuse_bsdf(shader: Shader, values: dict[str, Any]) -> Any:

@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from render.frame import ALBEDO_BIAS
+from render.surfaces.bsdf_plugins import eval_pdf_albedo
 from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
@@ -48,12 +49,7 @@ def surface_light(
     shining *= dimmed(shade, emitter, ray.o)
     sample, arriving = emitter_sample(scene, si, *u, si.is_valid())
     arriving *= dimmed(shade, sample.emitter, si.p)
-
-    def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
-        # In one call, so that textures are read once.
-        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
-
-    value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
+    value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), eval_pdf_albedo, si, si.to_local(sample.d))
     albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
     if water is not None:
         wet = water.wetness(si.p, si.n)

@@ -79,8 +79,7 @@ class PixelLanes:
 
     def __init__(self, size: tuple[int, int]) -> None:
         self.size = size
-        order = _square_order(*size)
-        self.chunks = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // MAX_PATHS))]
+        self.chunks = in_chunks(_square_order(*size))
 
     def zero_sums(self, kinds: int) -> list[Sums]:
         """Return sums of zero for each chunk, of so many kinds."""
@@ -100,6 +99,17 @@ class PixelLanes:
         for pixels in self.chunks:
             dr.scatter(values, sums.pop(0) / dr.opaque(mi.Float, count), pixels)
         return np.array(values, np.float32).reshape(height, width, 3)
+
+
+def pixels_of(area: NDArray[np.bool_]) -> NDArray[np.uint32]:
+    """Return the pixels of an area (H, W) in the order in which they are traced."""
+    order = _square_order(area.shape[1], area.shape[0])
+    return order if area.all() else order[area.ravel()[order]]
+
+
+def in_chunks(pixels: NDArray[np.uint32]) -> list[Any]:
+    """Return pixels in chunks that are traced at once, `mi.UInt32` each."""
+    return [mi.UInt32(p) for p in np.array_split(pixels, max(-(-len(pixels) // MAX_PATHS), 1))]
 
 
 def _square_order(width: int, height: int) -> NDArray[np.uint32]:

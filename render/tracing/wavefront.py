@@ -35,6 +35,7 @@ import mitsuba as mi
 
 from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
+from render.surfaces.bsdf_plugins import eval_pdf_sample_albedo
 from render.tracing.camera_rays import CameraView
 from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
@@ -332,13 +333,9 @@ def _bounce(
     )
     arriving *= dimmed(shade, sample.emitter, si.p)
 
-    def evaluate(bsdf: Any, si: Any, wo: Any, u: Any, v: Any) -> Any:
-        albedo = bsdf.eval_diffuse_reflectance(si)
-        return *bsdf.eval_pdf_sample(mi.BSDFContext(), si, wo, u, v), albedo
-
     value, bsdf_pdf, scattered, share, albedo = dr.dispatch(
         si.bsdf(),
-        evaluate,
+        eval_pdf_sample_albedo,
         si,
         si.to_local(sample.d),
         choice,

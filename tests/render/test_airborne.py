@@ -14,7 +14,7 @@ from render.color import linear, luminance
 from render.config import MATERIALS, Weather, light
 from render.frame import LightLayers
 from render.lights.haze import haze_of, haze_strength, sun_glow
-from render.shot import Mesh
+from render.shot import CameraPose, Lens, Mesh
 
 RAYS = 4096
 
@@ -66,19 +66,62 @@ def test_layers_are_dimmed_and_lit(backend: Backend) -> None:
     from render.airborne.airborne_pass import AirborneExposure
 
     seen = np.full((4, 4, 4), 0.25, np.float32)
-    ones, half = np.ones((4, 4, 3), np.float32), np.ones((2, 2, 3), np.float32)
 
     class Fixed:
         def traced(self) -> np.ndarray:
-            return seen
+            return seen.reshape(-1, 4)
 
-    exposure = AirborneExposure(Fixed())  # type: ignore[arg-type]
+    # Four of eight rows, in any order.
+    pixels = np.random.default_rng(1).permutation(np.arange(8, 24, dtype=np.uint32))
+    exposure = AirborneExposure(Fixed(), pixels)  # type: ignore[arg-type]
     exposure.add()
-    for soft in (ones, half):
-        laid = exposure.over(LightLayers(ones, ones, soft, soft, ones))
-        np.testing.assert_allclose(laid.light, 0.25 * 3.0 + 0.25)
-        np.testing.assert_allclose(laid.albedo, 0.25)
-        np.testing.assert_allclose(laid.indirect / laid.indirect_albedo, 1.0)
+    for side in (1, 2):
+        soft = (8 // side, 4 // side, 3)
+        direct, albedo, air = (np.ones((8, 4, 3), np.float32) for _ in range(3))
+        indirect, soft_albedo = (np.ones(soft, np.float32) for _ in range(2))
+        layers = LightLayers(direct, albedo, indirect, soft_albedo, air)
+        exposure.lay_over(layers)
+        # Soft light is blended at the border where it is enlarged.
+        np.testing.assert_allclose(layers.light[3:5], 0.25 * 3.0 + 0.25)
+        np.testing.assert_allclose(layers.light[[0, 7]], 3.0)
+        np.testing.assert_allclose(layers.albedo[2:6], 0.25)
+        np.testing.assert_allclose(layers.albedo[[0, 1, 6, 7]], 1.0)
+        np.testing.assert_allclose(layers.indirect / layers.indirect_albedo, 1.0)
+
+
+@pytest.mark.parametrize("lens", [None, Lens(0.05, 3.0)])
+def test_the_area_of_a_sphere_holds_all_of_its_pixels(lens: Lens | None) -> None:
+    from render.airborne.picture_area import picture_area
+
+    rng, size = np.random.default_rng(4), (96, 54)
+    largest = []
+    for _ in range(200):
+        camera = CameraPose(
+            tuple(rng.normal(0, 1, 3)),
+            tuple(rng.normal(0, 1, 3)),
+            fov_deg=rng.uniform(15, 100),
+            lens=lens,
+        )
+        sphere = np.array([[*rng.normal(0, 4, 3), rng.uniform(0.05, 3.0)]])
+        area = picture_area(camera, sphere, size)
+        # Rays through the middles of pixels, from the middle of the lens or its rim.
+        half = np.tan(np.radians(camera.fov_deg) / 2)
+        x = ((np.arange(size[0]) + 0.5) / size[0] * 2 - 1) * half * size[0] / size[1]
+        y = (1 - (np.arange(size[1]) + 0.5) / size[1] * 2) * half
+        right, up, ahead = camera.axes
+        d = x[None, :, None] * right + y[:, None, None] * up + ahead
+        rim = 0.0 if lens is None else lens.radius
+        focus = 1.0 if lens is None else lens.focus
+        for turn in (0.0, 1.0, 2.5, 4.0):
+            off = rim * (np.cos(turn) * right + np.sin(turn) * up)
+            way = d * focus - off
+            way /= np.linalg.norm(way, axis=-1, keepdims=True)
+            to = sphere[0, :3] - camera.p_WC - off
+            along = way @ to
+            distance = np.linalg.norm(to - along[..., None].clip(0) * way, axis=-1)
+            assert not (area < (distance < sphere[0, 3])).any()
+        largest.append(area.mean())
+    assert np.median(largest) < 0.5
 
 
 def test_ground_is_dark_and_glossy_in_rain_and_white_under_snow() -> None:

@@ -18,9 +18,9 @@ from render.frame import Image, LightLayers
 THREADS = 2
 """Part of the key of a frame."""
 
-MEMORY_MIB = 128
-"""Memory beside the images, which sets the tiles of large ones [MiB]. A constant, because other
-tiles round differently."""
+MEMORY_MIB = 320
+"""Memory beside the images, which sets the tiles of large ones [MiB]; a frame of 1280x720 is one
+tile. A constant, because other tiles round differently."""
 
 _QUALITY = {"fast": "Fast", "high": "High"}
 
@@ -47,9 +47,7 @@ class Denoiser:
             self._device: Any = self._oidn.Device(self._oidn.DeviceType.CPU)
             self._device.num_threads = THREADS
             self._device.commit()
-            self._filter = self._device.new_filter("RT")
-            self._filter.hdr = True
-            self._filter.max_memory_mb = MEMORY_MIB
+            self._device.new_filter("RT")
             self.key = f"oidn {self._oidn.oidn_version()} threads {THREADS} memory {MEMORY_MIB}"
         except (self._oidn.Error, RuntimeError) as error:
             self._fail("does not start", error, f"reinstall mitsuba-oidn, or {_REMEDY}")
@@ -114,11 +112,15 @@ class Denoiser:
         self.require()
         cleaned = np.empty_like(light)
         try:
-            self._filter.quality = getattr(self._oidn.Quality, _QUALITY[mode])
-            self._filter.set_image("color", light)
-            self._filter.set_image("output", cleaned)
-            self._filter.commit()
-            self._filter.execute()
+            # A new one each time, which takes no time: its memory is free while frames are traced.
+            cleaner = self._device.new_filter("RT")
+            cleaner.hdr = True
+            cleaner.max_memory_mb = MEMORY_MIB
+            cleaner.quality = getattr(self._oidn.Quality, _QUALITY[mode])
+            cleaner.set_image("color", light)
+            cleaner.set_image("output", cleaned)
+            cleaner.commit()
+            cleaner.execute()
         except (self._oidn.Error, RuntimeError) as error:
             raise DenoiseError(f"the denoiser failed: {error}; {_REMEDY}") from error
         return cleaned

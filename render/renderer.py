@@ -94,6 +94,8 @@ class Renderer:
             DenoiseError: the denoiser is missing or failed.
             DeviceMemoryShort: the GPU has too little memory.
         """
+        import drjit
+
         film = shot.film.resolved()
         if film.denoise != "off":
             self._denoiser.require()
@@ -105,6 +107,8 @@ class Renderer:
                     scene.softness(shot.moments[-1].camera) if film.denoise != "off" else None
                 )
         with self.timings.timed("denoise"):
+            # The denoiser needs as much memory as Dr.Jit keeps of the buffers of a trace.
+            drjit.flush_malloc_cache()
             is_noisy = scene.has_soft_lights or film.samples <= FEW_SAMPLES
             light = self._denoiser.clean(layers, film.denoise, has_soft_lights=is_noisy)
             if softness is not None and film.denoise != "off":

@@ -28,6 +28,7 @@ from render.surfaces.texture_mapping import (
     Sample,
     box_projection,
     device_texture,
+    fine_copy,
     mip_level,
     patch_mipmap,
     pattern_mipmap,
@@ -37,6 +38,7 @@ from render.surfaces.wear_lookup import WearLookup
 from render.textures.layers import (
     BODY_PATCHES,
     CALM,
+    DETAILED,
     LARGE_PATCHES,
     PATCH_CONTRAST,
     PATCHES,
@@ -165,6 +167,10 @@ class GroundShader:
         size = material.texture_scale
         level = mip_level(si, size, self.values[PIXEL_WIDTH])
         first = self._first_layer(projection, level)
+        fine = None
+        if material.texture in DETAILED:
+            fine = fine_copy(si, projection, self._first, size, self.values[PIXEL_WIDTH])
+            first = first.under(fine)
         color, slopes = colored(material.color, first), (first.slope_u, first.slope_v)
         if self._patches is not None and material.color2 is not None:
             second = first
@@ -172,6 +178,7 @@ class GroundShader:
                 second = self._first.on(
                     projection, size * SECOND_LAYER.scale, SECOND_LAYER.turn_deg, level
                 )
+                second = second if fine is None else second.under(fine)
             share = self._patch_share(si, projection, self._patches)
             color = dr.lerp(color, colored(material.color2, second), share)
             slopes = _mixed_slopes(slopes, second, share) if second is not first else slopes

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.textures import TILE, Plane, lumps, patches, tile
+from render.textures.layers import DETAIL, DETAIL_LAYER
 
 LEVELS = 10
 """Mip levels of a tile, each half as wide as the one before."""
@@ -30,6 +31,10 @@ SLOPE_SAMPLES = 1 << 16
 
 MAX_SHADE = 2.0
 """The brightest shade that a texel can hold."""
+
+DETAIL_LOST, DETAIL_FADING = 5.0, 3.0
+"""Mip level of a small copy of a pattern from which on it is not shown, and levels over which it
+fades: farther away the pattern itself is finer than pixels."""
 
 BORDER_WANDER = 0.10
 """How far the border between two projections wanders, as a fraction of a normal's length."""
@@ -93,6 +98,15 @@ class Sample:
     warmth: Any
     slope_u: Any
     slope_v: Any
+
+    def under(self, fine: Sample) -> Sample:
+        """Return the pattern under a finer one, whose shade is relative to its mean."""
+        return Sample(
+            self.shade * fine.shade,
+            dr.clip(self.warmth + fine.warmth, -1.0, 1.0),
+            self.slope_u + fine.slope_u,
+            self.slope_v + fine.slope_v,
+        )
 
 
 @lru_cache(maxsize=16)
@@ -323,3 +337,26 @@ def _on_device(mipmap: Mipmap, variant: str) -> Any:
     """Return the texels of a mipmap in a variant; all surfaces share them."""
     del variant
     return mi.UInt32(mipmap.texels)
+
+
+def fine_copy(
+    si: Any, projection: Projection, texture: DeviceTexture, size: float, pixel: Any
+) -> Sample:
+    """Return a small copy of a pattern of ground, as strong as pixels show it.
+
+    Args:
+        si: `mi.SurfaceInteraction3f`.
+        projection: of its points.
+        texture: of a pattern that is alike at all sizes.
+        size: of its tile [m].
+        pixel: `mi.Float`, width of a pixel at 1 m [m].
+    """
+    level = mip_level(si, size * DETAIL_LAYER.scale, pixel)
+    found = texture.on(projection, size * DETAIL_LAYER.scale, DETAIL_LAYER.turn_deg, level)
+    shown = DETAIL * dr.clip((DETAIL_LOST - mi.Float(level)) / DETAIL_FADING, 0.0, 1.0)
+    return Sample(
+        1.0 + shown * (found.shade - 1.0),
+        shown * found.warmth,
+        shown * found.slope_u,
+        shown * found.slope_v,
+    )

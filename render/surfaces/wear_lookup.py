@@ -14,6 +14,7 @@ from render.surfaces.texture_mapping import (
     Projection,
     Sample,
     device_texture,
+    fine_copy,
     lookup,
     mip_level,
     pattern_mipmap,
@@ -62,4 +63,7 @@ class WearLookup:
         layout = SOIL_LAYER
         near = mip_level(si, SOIL_SIZE * layout.scale, self._values[PIXEL_WIDTH])
         soil = self._soil.on(projection, SOIL_SIZE * layout.scale, layout.turn_deg, near)
+        soil = soil.under(
+            fine_copy(si, projection, self._soil, SOIL_SIZE, self._values[PIXEL_WIDTH])
+        )
         return dr.select(inside & projection.is_along_y, share, 0.0), self._values["soil"], soil

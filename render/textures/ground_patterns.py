@@ -13,24 +13,38 @@ Drawn = tuple[Array, Array, Array, float]
 
 
 def soil(rng: np.random.Generator) -> Drawn:
-    """Draw crumbs of soil, gravel and stones of several sizes on ground with a cracked crust."""
-    clods, crumbs = noise(rng, 1.2, first=13, last=70), noise(rng, 0.8, first=50)
-    fine, fine_tint = pebbles(rng, 140, 0.3)
-    gravel, gravel_tint = pebbles(rng, 74, 0.2)
-    stones, stone_tint = pebbles(rng, 30, 0.12)
-    # A swell of the ground would show as ripples in low light; what lies on it may be seen.
-    relief = 0.0016 * clods + 0.0003 * crumbs + 0.0022 * fine + 0.006 * gravel + 0.020 * stones
-    shade = 1 + 0.11 * clods + 0.08 * crumbs + 0.08 * noise(rng, 1.6, first=5)
+    """Draw crumbs of soil of three sizes and stones on a crust with cracks, with straw on it."""
+    swell, grit = noise(rng, 1.5, first=6), noise(rng, 0.3, first=150)
     first, second, _ = cells(rng, 27, warp=0.3)
     crust = np.clip(1.2 * noise(rng, 1.5, first=3) + 0.1, 0.0, 1.0)
     crack = np.exp(-(((second - first) / 0.05) ** 2)) * crust
-    grit = noise(rng, 0.3, first=150)
-    relief = relief - 0.004 * crack + 0.0004 * grit
-    shade = shade * (1.0 - 0.3 * crack) * (1.0 + 0.07 * grit)
-    for lies, tint, pale in ((fine, fine_tint, 0.0), (gravel, gravel_tint, 0.05)):
-        shade = np.where(lies > 0, 1 + pale + 0.2 * tint, shade)
-    shade = np.where(stones > 0, 1.15 + 0.2 * stone_tint, shade)
-    warmth = 0.25 * noise(rng, 1.4, first=5) - 0.5 * (stones > 0) - 0.3 * (gravel > 0)
+    shade = (0.84 + 0.07 * swell) * (1.0 - 0.35 * crack)
+    relief = 0.0012 * noise(rng, 1.2, first=13, last=70) - 0.004 * crack
+    tint = np.zeros((TILE, TILE))
+    # Loose crumbs lie where the crust is broken.
+    loose = np.clip(0.75 - 0.9 * crust + 0.35 * noise(rng, 1.3, first=7), 0.0, 1.0)
+    kinds = (
+        (190, 0.75, 0.0025, 0.0),
+        (110, 0.5, 0.005, 0.0),
+        (58, 0.35, 0.010, 0.04),
+        (30, 0.10, 0.020, 0.16),
+    )
+    for across, share, high, pale in kinds:
+        dome, own = pebbles(rng, across, share)
+        shown = (dome > 0) & ((loose > 0.5 + 0.35 * own) | (pale > 0.1))
+        # A crumb is dark at its foot, where it shades the ground and itself.
+        lit = 0.36 + 0.80 * np.sqrt(dome) + pale
+        shade = np.where(shown, lit * (1 + 0.2 * own), shade)
+        relief = np.where(shown, relief + high * dome, relief)
+        tint = np.where(shown, own - (2.0 if pale > 0.1 else 0.0), tint)
+    shade = 1.15 * shade * (1.0 + 0.10 * grit)
+    relief = relief + 0.0004 * grit
+    warmth = 0.2 * noise(rng, 1.4, first=5) + 0.22 * tint
+    for count, longest, light in ((420, 26, 1.25), (90, 60, 0.7), (60, 70, 1.35)):
+        row, column = _lines(rng, count, longest)
+        shade[row, column] = light * rng.uniform(0.75, 1.25, (count, 1))
+        warmth[row, column] = 0.5
+        relief[row, column] += 0.0012
     return shade.clip(0.3, 1.9), warmth.clip(-1, 1), relief, 2.6
 
 

@@ -20,6 +20,7 @@ from pipeline.simulation.figures.hide.feet import (
     foot_way,
     paw_claws,
     paw_lumps,
+    sole_lump,
     spread_toes,
     toe_nails,
 )
@@ -35,6 +36,7 @@ from pipeline.simulation.figures.hide.head_gear import (
 from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
 from pipeline.simulation.figures.hide.shanks import (
+    above_shank,
     ankle_lump,
     first_shank,
     shank_solid,
@@ -200,9 +202,9 @@ class AnimalHide:
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
             else:
-                patch.lumps += leg_lumps(chain, first, shank, girths)
+                patch.lumps += leg_lumps(chain, first, shank, girths, above_shank(feet))
                 lumps = [ankle_lump(chain)]
-                solid = shank_solid(chain, shank, girths)
+                solid = shank_solid(chain, shank, girths, feet)
                 patch.skins.append(self._hide(solid, [i]))
             if after == len(limb.links):
                 self._add_foot(chain, feet, patch, lumps, girths[-1])
@@ -242,11 +244,8 @@ class AnimalHide:
                 paint = painted(len(solid.vertices), DARK_HORN)
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "plain":
-            tip = chain.points[-1]
-            pad = ball(
-                tip - 0.2 * radius * UP, (1.08 * radius, 0.78 * radius, 1.04 * radius), 0.4 * radius
-            )
-            patch.fine.append(([*lumps[-1:], pad], FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            fine = [*lumps[-1:], sole_lump(chain)]
+            patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
             for solid in toe_nails(chain, toes):
                 paint = painted(len(solid.vertices), "#b3a68f")
                 patch.skins.append(self.stance.rigid(solid, last, paint))

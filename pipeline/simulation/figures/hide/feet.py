@@ -54,6 +54,15 @@ def paw_lumps(chain: Chain, toes: int, girth: Array) -> Iterator[Lump]:
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
 
 
+def sole_lump(chain: Chain) -> Lump:
+    """Return the round foot of a leg like a column, which widens to a flat sole."""
+    r, tip = float(chain.radii[-1]), chain.points[-1]
+    top, low = tip + 0.30 * r * UP, tip - 0.62 * r * UP
+    sizes = np.array([0.45, 1.02, 0.98]), np.array([0.38, 1.22, 1.14])
+    axes = np.stack([-UP, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])])
+    return Lump(top, low, r * sizes[0], r * sizes[1], axes, 0.3 * r)
+
+
 def _toe_reach(toes: int, place: float) -> float:
     """Return how far ahead a toe ends, in the radius of its foot, by its place from -1 to 1."""
     return (TWO_TOES if toes == 2 else 1.0) * (1.05 + 0.45 * (1.0 - 0.30 * place**2))

@@ -34,6 +34,12 @@ JOINT_WIDTH = 1.3
 MAX_JOINT_WIDTH = 0.42
 """The same at most, in the length of the shorter link."""
 
+STRAIGHTENED = 0.6
+"""How far flesh of a foreleg goes from its bones to a straight line between elbow and fetlock.
+
+Limbs are drawn bent, so that they fold the right way; the forelegs of animals stand straight.
+"""
+
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -154,7 +160,22 @@ class Stance:
         points = [self.placed(limb.links[0], links[0].ends[0])]
         points += [self.placed(i, link.ends[1]) for i, link in zip(limb.links, links, strict=True)]
         radii = self.figure.drawing.radii[list(nodes)] * self.figure.scale
-        return Chain(limb, np.array(points), radii)
+        placed = np.array(points)
+        if limb in self.forelegs and len(placed) > 3:
+            placed = _straightened(placed)
+        return Chain(limb, placed, radii)
+
+    @cached_property
+    def forelegs(self) -> tuple[Limb, ...]:
+        """The legs of the front pair of a mammal on four legs."""
+        skeleton = self.figure.skeleton
+        if self.figure.style != "mammal" or len(skeleton.legs) < 4:
+            return ()
+        hips = [self.placed(leg.links[0], skeleton.links[leg.links[0]].ends[0]) for leg in skeleton.legs]
+        ahead = float(np.median([hip[0] for hip in hips]))
+        return tuple(
+            leg for leg, hip in zip(skeleton.legs, hips, strict=True) if float(hip[0]) >= ahead
+        )
 
     def placed(self, link: int, points: Array) -> Array:
         """Return points (..., 3) of the creation frame as they stand on a link [m]."""
@@ -246,6 +267,18 @@ class Stance:
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
         here = _turned(real * _CONJUGATE, places - moved)
         return _turned(q[a] * _CONJUGATE, here - shifts[a])
+
+
+def _straightened(points: Array) -> Array:
+    """Return the nodes (n, 3) of a foreleg with its inner joints but the last nearer to a line."""
+    result = points.copy()
+    last = len(points) - (2 if len(points) > 4 else 1)
+    a, b = points[0], points[last]
+    for k in range(1, last):
+        t = (points[k, 1] - a[1]) / min(b[1] - a[1], -1e-9)
+        on_line = a + t * (b - a)
+        result[k] += STRAIGHTENED * (on_line - points[k])
+    return result
 
 
 def _product(a: Array, b: Array) -> Array:

@@ -31,6 +31,7 @@ from pipeline.simulation.figures.hide.head_gear import (
     ear_solid,
     horn_solid,
     mouth_solid,
+    proboscis_solid,
     whisker_solids,
 )
 from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
@@ -42,7 +43,7 @@ from pipeline.simulation.figures.hide.shanks import (
     shank_solid,
     tail_solid,
 )
-from pipeline.simulation.figures.hide.sheets import hoof, lay, painted
+from pipeline.simulation.figures.hide.sheets import Paint, hoof, lay, painted
 from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
 from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
 from pipeline.simulation.figures.hide.trunk import (
@@ -52,7 +53,7 @@ from pipeline.simulation.figures.hide.trunk import (
     tube_lumps,
 )
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
-from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, rotation
@@ -60,6 +61,9 @@ from pipeline.simulation.spatial import UP, Array, rotation
 MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
+
+COLUMN_TRIANGLES = 700
+"""Triangles that a leg like a column adds to the coarse mesh."""
 
 LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
@@ -93,6 +97,7 @@ class Patch:
         fine: lumps of finer meshes, their cell [m], their most triangles, and whether a skull's.
         skins: more surfaces.
         covered: links inside.
+        most: triangles of its coarse mesh beyond the usual.
     """
 
     limbs: list[int] = field(default_factory=list)
@@ -100,6 +105,7 @@ class Patch:
     fine: list[tuple[list[Lump], float, int, bool]] = field(default_factory=list)
     skins: list[Skin] = field(default_factory=list)
     covered: set[int] = field(default_factory=set)
+    most: int = 0
 
 
 class AnimalHide:
@@ -198,7 +204,12 @@ class AnimalHide:
             patch.limbs.append(i)
             patch.covered.update(limb.links[first:after])
             shank = min(max(first, first_shank(limb)), after)
-            if shank == after or after < len(limb.links) or first >= first_shank(limb):
+            if feet == "plain":
+                # A column is thick enough for the grid of the trunk, down to its sole.
+                lumps = list(leg_lumps(chain, first, after, girths))
+                patch.lumps += lumps
+                patch.most += COLUMN_TRIANGLES
+            elif shank == after or after < len(limb.links) or first >= first_shank(limb):
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
             else:
@@ -238,14 +249,13 @@ class AnimalHide:
             paint = None if differs else painted(len(solid.vertices), DARK_HORN)
             target.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "paws":
-            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths)]
+            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths, self.figure.skin.claws)]
             patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
             for solid in paw_claws(chain, toes) if self.figure.skin.claws else ():
                 paint = painted(len(solid.vertices), DARK_HORN)
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "plain":
-            fine = [*lumps[-1:], sole_lump(chain)]
-            patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            patch.lumps.append(sole_lump(chain))
             for solid in toe_nails(chain, toes):
                 paint = painted(len(solid.vertices), "#b3a68f")
                 patch.skins.append(self.stance.rigid(solid, last, paint))
@@ -305,7 +315,13 @@ class AnimalHide:
         """Add lids, mouth and whiskers, which are finer than the mesh of a skull."""
         head = self.head
         assert head is not None
-        features = [eyelids(head, side) for side in (1.0, -1.0)] if head.skull.lids else []
+        features: list[tuple[Solid, Paint]] = []
+        for side in (1.0, -1.0) if head.skull.lids else ():
+            solid, rim = eyelids(head, side)
+            paint = self.coat.paint(solid, patch.limbs, True)
+            assert paint is not None
+            lay(paint, head.skull.lid_color, rim)
+            features.append((solid, paint))
         mouth = mouth_solid(head)
         if mouth is not None:
             features.append((mouth, painted(len(mouth.vertices), MOUTH_COLOR)))
@@ -365,8 +381,14 @@ class AnimalHide:
             for p in self.stance.chains[self.head_limb].points[1:]
         )
         side = float(np.sign(chain.points[-1][2])) if limb.side != "m" else 0.0
-        if side == 0.0 or on_head > 1e-6 * limb.length:
+        if on_head > 1e-6 * limb.length or (side == 0.0 and limb.kind != FEELER):
             self.untouched.update(limb.links)
+            return
+        if side == 0.0:
+            solid, paint = proboscis_solid(chain)
+            patch = self._patch(limb.links[0])
+            patch.covered.update(limb.links)
+            patch.skins.append(self.stance.chained(solid, chain, skull_link, paint))
             return
         material = self.figure.skeleton.links[limb.links[-1]].material
         patch = self.patches.setdefault(limb.links[0], Patch())
@@ -418,6 +440,7 @@ class AnimalHide:
             high = np.max([np.maximum(g.a, g.b) + g.reach for g in patch.lumps], axis=0)
             cell = float((high - low).max()) / CELLS
             most = MAIN_TRIANGLES if patch is self.patches[0] else LIMB_TRIANGLES
+            most += patch.most
             if any(paint.where == "patches" for paint in self.figure.skin.paint):
                 cell, most = NET_CELL * cell, int(most / NET_CELL**2)
             yield self._meshed(patch, patch.lumps, cell, most, False)

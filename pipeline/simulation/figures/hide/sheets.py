@@ -10,7 +10,7 @@ from pipeline.simulation.spatial import Array, cross, normalized
 Paint = Array
 """(V, 4) linear colour and its share."""
 
-EAR_RINGS, EAR_POINTS = 9, 6
+EAR_RINGS, EAR_POINTS = 11, 7
 HORN_RINGS, HORN_POINTS = 24, 7
 
 

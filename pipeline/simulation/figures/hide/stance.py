@@ -207,7 +207,9 @@ class Stance:
             width = ROOT_WIDTH * float(chain.radii[:2].mean())
             off = smoothstep(0.5 + 0.5 * (body[mine] - own[mine]) / width)
             if len(chains) > 1:
-                off *= smoothstep((other[mine] - own[mine]) / (0.5 * width))
+                # Only where limbs grow from the body: feet side by side follow their own legs.
+                clear = smoothstep((body[mine] - own[mine]) / width - 0.5)
+                off *= np.maximum(smoothstep((other[mine] - own[mine]) / (0.5 * width)), clear)
             at = off * chain.coordinates(places[mine], distances[:, mine])
             numbers = np.array([0, *chain.limb.links])
             lower = np.clip(np.floor(at).astype(int), 0, len(numbers) - 2)
@@ -248,6 +250,17 @@ class Stance:
         links = np.full((len(solid.vertices), 2), link, dtype=np.int64)
         share = np.zeros(len(links))
         return Skin(self.unposed(solid.vertices, links, share), solid.faces, links, share, paint)
+
+    def chained(self, solid: Solid, chain: Chain, root: int, paint: Array | None = None) -> Skin:
+        """Return a surface along a chain that grows from link `root`, in the creation frame."""
+        places = solid.vertices
+        at = chain.coordinates(places, chain.distances(places))
+        along = ((places - chain.points[0]) * chain.ways[0]).sum(axis=-1)
+        at -= 1.0 - smoothstep(along / (0.5 * float(chain.lengths[0])))
+        numbers = np.array([root, *chain.limb.links])
+        lower = np.clip(np.floor(at).astype(int), 0, len(numbers) - 2)
+        links, share = np.stack([numbers[lower], numbers[lower + 1]], axis=-1), at - lower
+        return Skin(self.unposed(places, links, share), solid.faces, links, share, paint)
 
     def unposed(self, places: Array, links: NDArray[np.int64], share: Array) -> Array:
         """Return places (N, 3) as they stand in the creation frame [m]."""

@@ -62,8 +62,11 @@ MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 
+NECKLESS = 0.9
+"""Radius of a head from which it grows together with the trunk, in the trunk's."""
+
 COLUMN_TRIANGLES = 700
-"""Triangles that a leg like a column adds to the coarse mesh."""
+"""Triangles that a stout leg adds to the coarse mesh."""
 
 LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
@@ -98,6 +101,7 @@ class Patch:
         skins: more surfaces.
         covered: links inside.
         most: triangles of its coarse mesh beyond the usual.
+        has_face: whether the skull is part of its coarse mesh.
     """
 
     limbs: list[int] = field(default_factory=list)
@@ -106,6 +110,7 @@ class Patch:
     skins: list[Skin] = field(default_factory=list)
     covered: set[int] = field(default_factory=set)
     most: int = 0
+    has_face: bool = False
 
 
 class AnimalHide:
@@ -163,6 +168,10 @@ class AnimalHide:
             covered |= patch.covered
         return found, covered - set(found)
 
+    @cached_property
+    def _is_neckless(self) -> bool:
+        return self.head is not None and max(self.head.radii) > NECKLESS * self.coat.girth
+
     def _haunches(self) -> Iterator[Lump]:
         # Spread legs have no shoulders that stand out.
         return haunch_lumps(self.stance) if self.figure.style == "mammal" else iter(())
@@ -204,8 +213,8 @@ class AnimalHide:
             patch.limbs.append(i)
             patch.covered.update(limb.links[first:after])
             shank = min(max(first, first_shank(limb)), after)
-            if feet == "plain":
-                # A column is thick enough for the grid of the trunk, down to its sole.
+            if feet == "plain" or self._is_neckless:
+                # A column or a leg of a squat animal is thick enough for the grid of the trunk, down to its sole.
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
                 patch.most += COLUMN_TRIANGLES
@@ -297,8 +306,14 @@ class AnimalHide:
             bearer.limbs.append(i)
         bearer.covered.add(last)
         radius = max(self.head.radii)
-        lumps = [*stub[-2:], *self.head.lumps()]
-        bearer.fine.append((lumps, HEAD_CELL * radius, FINE_TRIANGLES, True))
+        if self._is_neckless:
+            # A head as broad as the trunk grows together with it.
+            bearer.lumps += self.head.lumps()
+            bearer.most += FINE_TRIANGLES
+            bearer.has_face = True
+        else:
+            lumps = [*stub[-2:], *self.head.lumps()]
+            bearer.fine.append((lumps, HEAD_CELL * radius, FINE_TRIANGLES, True))
         self._add_features(bearer, last)
         if is_bird:
             patch = self.patches.setdefault(last, Patch())
@@ -443,7 +458,8 @@ class AnimalHide:
             most += patch.most
             if any(paint.where == "patches" for paint in self.figure.skin.paint):
                 cell, most = NET_CELL * cell, int(most / NET_CELL**2)
-            yield self._meshed(patch, patch.lumps, cell, most, False)
+            solid = budgeted(patch.lumps, cell, most)
+            yield self._hide(solid, patch.limbs, has_face=patch.has_face)
         for lumps, cell, most, is_head in patch.fine:
             yield self._meshed(patch, lumps, cell, most, is_head)
         yield from patch.skins
@@ -454,9 +470,11 @@ class AnimalHide:
         solid = budgeted(lumps, cell, most)
         return self._hide(solid, patch.limbs, is_head)
 
-    def _hide(self, solid: Solid, limbs: list[int], is_head: bool = False) -> Skin:
+    def _hide(
+        self, solid: Solid, limbs: list[int], is_head: bool = False, has_face: bool = False
+    ) -> Skin:
         """Return a surface with its paint and its hair."""
-        paint = self.coat.paint(solid, limbs, is_head)
+        paint = self.coat.paint(solid, limbs, is_head, has_face)
         for lump, color in self.colored:
             share = smoothstep(
                 1.0 - 3.0 * lump.distance(solid.vertices) / float(lump.radii_a.min())

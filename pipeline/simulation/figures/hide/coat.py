@@ -47,16 +47,19 @@ class Coat:
         figure = self.stance.figure
         return float(figure.drawing.radii[list(figure.anatomy.body)].max()) * figure.scale
 
-    def paint(self, solid: Solid, limbs: list[int], is_head: bool) -> Paint | None:
+    def paint(
+        self, solid: Solid, limbs: list[int], is_head: bool, has_face: bool = False
+    ) -> Paint | None:
         """Return the paint of a surface, None where there is none.
 
         Args:
             solid: as the figure stands.
             limbs: numbers of the limbs that it covers.
             is_head: whether it is the skull's.
+            has_face: whether the skull is a part of it.
         """
         config = self.stance.figure.skin
-        if not config.paint and not is_head:
+        if not config.paint and not is_head and not has_face:
             return None
         paint = np.zeros((len(solid.vertices), 4))
         at = _Places(self, solid, limbs, is_head)
@@ -64,7 +67,7 @@ class Coat:
             share = at.share(layer.where, layer.size)
             if share is not None:
                 lay(paint, layer.color, layer.share * share)
-        if is_head and self.head is not None:
+        if (is_head or has_face) and self.head is not None:
             over = self.head.paint(solid.vertices)
             keep = (1.0 - over[:, 3:]) * paint[:, 3:]
             total = keep + over[:, 3:]

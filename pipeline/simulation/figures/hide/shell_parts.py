@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,13 @@ AROUND = 8
 HIP_DROP = 0.20
 """How far below its joint a beetle's leg leaves the body, in the length of its thigh."""
 
+KNEE_DROP = 0.32
+"""How much lower a beetle's knee is than its joint, in the height of that above the hip."""
+
 JOINT_COLOR = "#120b07"
+
+CLAW_RINGS = 15
+"""Rings of a finger of a claw."""
 
 FEET = 5
 """Segments of the last link of a leg, its tarsus."""
@@ -59,6 +66,7 @@ def beetle_leg(chain: Chain, i: int) -> list[Solid]:
     A thigh leaves the body from below, around the edge of the wing cases. A shin widens towards two
     spurs, between rows of spines, and each segment of a foot does so too.
     """
+    chain = _crouched(chain)
     a, b, r = chain.points[i], chain.points[i + 1], float(chain.radii[i + 1])
     side = normalized(cross(chain.ways[i], UP))
     if i == 0:
@@ -86,6 +94,13 @@ def beetle_leg(chain: Chain, i: int) -> list[Solid]:
     size = float(chain.radii[i])
     shape = size * (0.50 + 0.52 * place) * (1.0 - 0.35 * t)
     return [tube(a + t[:, None] * chain.spans[i], shape, 7, 0.8, UP)]
+
+
+def _crouched(chain: Chain) -> Chain:
+    """Return a leg whose knee rises less over its hip: thighs lie beside the wing cases."""
+    points = chain.points.copy()
+    points[1, 1] -= KNEE_DROP * max(points[1, 1] - points[0, 1], 0.0)
+    return replace(chain, points=points)
 
 
 def _spines(chain: Chain, i: int, side: Array, r: float) -> Iterator[Solid]:
@@ -151,22 +166,27 @@ def claw_solids(chain: Chain, sign: float) -> list[Solid]:
     r, way = float(chain.radii[-2]), chain.ways[-1]
     side = normalized(cross(way, UP)) * sign
     length = float(chain.lengths[-1])
-    t = np.linspace(0.0, 1.0, 12)
+    t = np.linspace(0.0, 1.0, 14)
     back = palm - 1.25 * r * way
-    line = back + t[:, None] * (0.95 * r + 0.45 * length) * way
-    shape = np.interp(t, [0.0, 0.10, 0.45, 0.80, 1.0], [0.34, 0.66, 1.10, 0.92, 0.50])
-    solids = [tube(line, r * shape, 14, 0.74, side)]
+    line = back + t[:, None] * (1.10 * r + 0.30 * length) * way
+    shape = np.interp(t, [0.0, 0.07, 0.22, 0.55, 0.85, 1.0], [0.30, 0.52, 0.92, 1.16, 1.02, 0.55])
+    solids = [tube(line, r * shape, 14, 0.66, side)]
     for inner in (-1.0, 1.0):
-        # The outer finger is the thicker one; both curve so that their tips meet.
-        thick = 0.50 if inner > 0 else 0.40
-        root = palm + 0.10 * length * way + 0.42 * r * inner * side
-        bow = palm + 0.58 * length * way + 0.62 * r * inner * side
-        end = tip + 0.06 * r * inner * side
-        s = np.linspace(0.0, 1.0, 11)[:, None]
+        # The fixed finger goes on from the palm; the other is hinged, and stands open.
+        thick, out = (0.52, 0.50) if inner > 0 else (0.40, 0.86)
+        root = palm + 0.02 * length * way + 0.48 * r * inner * side
+        bow = palm + 0.55 * length * way + (out + 0.62) * r * inner * side
+        end = tip + (0.10 if inner > 0 else 0.55) * r * inner * side
+        s = np.linspace(0.0, 1.0, CLAW_RINGS)[:, None]
         curve = (1 - s) ** 2 * root + 2 * s * (1 - s) * bow + s**2 * end
-        sizes = r * thick * np.interp(s[:, 0], [0.0, 0.25, 0.8, 1.0], [0.85, 1.0, 0.55, 0.10])
-        teeth = 1.0 + 0.10 * np.sin(np.arange(11) * 2.6)
-        solids.append(tube(curve, sizes * teeth, 9))
+        sizes = r * thick * np.interp(s[:, 0], [0.0, 0.2, 0.7, 0.93, 1.0], [0.8, 1.0, 0.62, 0.3, 0.06])
+        finger = tube(curve, sizes, 9)
+        # Teeth stand along the edges that meet.
+        rings = finger.vertices[:-2].reshape(CLAW_RINGS, 9, 3)
+        edge = np.clip(((rings - curve[:, None]) * side).sum(axis=-1) * -inner / sizes[:, None], 0, 1)
+        tooth = 0.34 * np.clip(np.sin(np.arange(CLAW_RINGS) * 2.2), 0.0, 1.0) * (s[:, 0] > 0.25)
+        rings -= (inner * edge**3 * (tooth * sizes)[:, None])[..., None] * side
+        solids.append(finger)
     return solids
 
 

@@ -29,7 +29,7 @@ PUPILS: Mapping[str, tuple[float, float]] = {
 SCLERA = "#1e1611"
 """Colour of the visible part of an eye around its iris: animals show no white."""
 
-CATCHLIGHT_DEG, CATCHLIGHT_SIZE_DEG = 30.0, 13.0
+CATCHLIGHT_DEG, CATCHLIGHT_SIZE_DEG = 33.0, 11.0
 """Angle and radius of the reflection of the sky: that of the sun alone is less than a pixel."""
 
 LID_OPENING, LID_CORNERS, LID_DROOP = 57.0, 13.0, 9.0

@@ -122,7 +122,10 @@ def mouth_solid(head: Head) -> Solid | None:
         return None
     sizes = np.full(len(head.mouth), MOUTH_WIDTH * head.radii[1])
     sizes[[0, -1]] *= 0.4
-    return tube(head.mouth, sizes, 5)
+    # Most of it is in the skin, whose mesh is rounder than its lumps.
+    inward = head.mouth.mean(axis=0) - head.mouth
+    inward -= (inward @ head.axes[1])[:, None] * head.axes[1]
+    return tube(head.mouth + 0.55 * sizes[:, None] * normalized(inward), sizes, 5)
 
 
 def whisker_solids(head: Head) -> Iterator[Solid]:

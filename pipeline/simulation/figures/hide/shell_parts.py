@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,23 +30,50 @@ FEET = 5
 """Segments of the last link of a leg, its tarsus."""
 
 
-def leg_segment(chain: Chain, i: int, detail: float) -> Solid:
+@dataclass(frozen=True)
+class LegStyle:
+    """How the legs of a kind of arthropod differ.
+
+    Attributes:
+        thick: factor on the drawn radius.
+        flat: width across the upright, in the height.
+        jointed: whether the last link has the segments of a foot.
+    """
+
+    thick: float = 1.0
+    flat: float = 1.0
+    jointed: bool = True
+
+
+LEG_STYLES = {
+    "crab": LegStyle(1.1, 0.62, jointed=False),
+    "centipede": LegStyle(1.15, 0.8, jointed=False),
+    "scorpion": LegStyle(1.1, 0.75),
+}
+"""By the kind of shell; others have round legs as drawn."""
+
+
+def leg_segment(chain: Chain, i: int, detail: float, style: LegStyle = LegStyle()) -> Solid:
     """Return one link of a leg, slender at its joints; the last one has the segments of a foot.
 
     Args:
         chain: the leg as it stands.
         i: number of the link.
         detail: share of the usual vertices along and around it.
+        style: of the legs of its kind.
     """
     a, b = chain.points[i], chain.points[i + 1]
-    r_a, r_b = float(chain.radii[i]), float(chain.radii[i + 1])
+    r_a, r_b = style.thick * float(chain.radii[i]), style.thick * float(chain.radii[i + 1])
     if i == 0:
         # The base of a leg is no thicker than its knee, though its hip may be.
         r_a = min(r_a, 1.35 * r_b)
     is_foot = i == len(chain.ways) - 1 and i > 0
     t = np.linspace(0.0, 1.0, round(detail * (14 if is_foot else 9)))
     radii = r_a + (r_b - r_a) * t
-    if is_foot:
+    if is_foot and not style.jointed:
+        # A blade that bends and ends in a point.
+        shape = np.interp(t, [0.0, 0.10, 0.3, 0.7, 1.0], [0.66, 1.0, 1.05, 0.85, 0.4])
+    elif is_foot:
         shape = 0.95 - 0.22 * np.cos(2.0 * np.pi * FEET * np.clip((t - 0.35) / 0.65, 0.0, 1.0))
         shape = np.where(t < 0.35, np.interp(t, [0.0, 0.12, 0.35], [0.55, 0.95, 0.74]), shape)
     else:
@@ -55,9 +82,11 @@ def leg_segment(chain: Chain, i: int, detail: float) -> Solid:
         shape = np.interp(t, [0.0, 0.10, top, 0.92, 1.0], [0.60, 0.84, 1.28, 0.96, 0.70])
     middle = a + t[:, None] * (b - a)
     # Shells of legs are a little bowed.
-    bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t) * (0.0 if is_foot else 1.0)
-    middle = middle + bow[:, None] * UP * (1.0 - abs(chain.ways[i][1]))
-    return tube(middle, radii * shape, max(round(detail * AROUND), 6))
+    bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t)
+    bow *= 0.0 if is_foot and style.jointed else 1.0
+    outward = normalized(UP * (1.0 - abs(chain.ways[i][1])) + 0.4 * (b - chain.points[0]) * [1, 0, 1])
+    middle = middle + bow[:, None] * outward
+    return tube(middle, radii * shape, max(round(detail * AROUND), 6), style.flat, UP)
 
 
 def beetle_leg(chain: Chain, i: int) -> list[Solid]:

@@ -58,7 +58,7 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 

@@ -17,6 +17,8 @@ from pipeline.simulation.spatial import Array
 PATTERN_SIZES: Mapping[str, float] = {"spots": 0.42, "patches": 0.75, "stripes": 0.55}
 """Distance of a pattern's figures, in the body's radius."""
 
+NET, NET_EDGE = 0.05, 0.09
+"""Half the width of the net between patches, and that of its edge, in the distance of patches."""
 
 LIMB_PLACES: Mapping[str, tuple[str, float, float]] = {
     "legs": ("leg", 0.18, 0.15),
@@ -167,7 +169,7 @@ class _Places:
         nearest, second = _cell_distances(p / step)
         if kind == "spots":
             return smoothstep((0.36 - nearest) / 0.10)
-        return smoothstep((second - nearest - 0.09) / 0.06)
+        return smoothstep((second - nearest - NET) / NET_EDGE)
 
 
 def arc_share(points: Array, places: Array) -> Array:

@@ -12,7 +12,7 @@ from pipeline.simulation.figures.hide.stance import smoothstep
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 
-EYE_AROUND = 18
+EYE_AROUND = 16
 
 EYE_ANGLES = np.radians([8, 15, 20, 26, 34, 41, 48, 55, 61, 68, 100])
 """Rings of an eyeball from where it looks [rad]: fine where pupil and iris end."""

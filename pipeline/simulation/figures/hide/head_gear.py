@@ -22,7 +22,8 @@ def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tupl
     way = head.way(skull.ear_way, side)
     opening = head.way(skull.ear_opening, side)
     width = length * skull.ear_width * config.ear_width / config.ear_length
-    return ear(head.place(skull.ear, side), way, opening, length, width, skull.ear_fold)
+    root = head.place(skull.ear, side)
+    return ear(root, way, opening, length, width, skull.ear_fold, skull.ear_point)
 
 
 MOUTH_WIDTH = 0.065
@@ -38,6 +39,9 @@ FOLDS, FOLD_DEPTH = 26, 0.045
 """Folds around a trunk, and their depth in its radius."""
 
 FOLD_COLOR = "#2b2622"
+
+STUB = (1.15, 0.90, 0.72, 0.64, 0.62, 0.66, 0.78, 0.84, 0.72, 0.40)
+"""Radius along a stub of horn, in that drawn."""
 
 HORN_CURVES = {
     "straight": ((0.0, 0.0, 0.0), (-0.10, 0.5, 0.06), (-0.22, 1.0, 0.10)),
@@ -64,7 +68,10 @@ def horn_solid(head: Head, chain: Chain, side: float, shape: str) -> Solid:
     curve = root + length * np.array(HORN_CURVES[shape]) @ axes
     radius = float(chain.radii[1:].max())
     if shape == "stub":
-        return horn(curve, 1.15 * radius, 0, 0.0, 0.85)
+        # Broad at its root, with a knob at its end.
+        t = np.linspace(0.0, 1.0, len(STUB))
+        middle = curve[0] + t[:, None] * (curve[-1] - curve[0])
+        return tube(middle, 1.15 * radius * np.array(STUB), 9)
     if shape == "tusks":
         return horn(curve, radius, 0, 0.0)
     return horn(curve, 1.25 * radius, 9, 0.16)

@@ -37,6 +37,7 @@ class Skull:
         ear_opening: direction to which it is open.
         ear_length, ear_width: length of the ear in that drawn; width in its length.
         ear_fold: depth of the cup of an ear, in half of its width.
+        ear_point: 0 for ears like leaves, 1 for triangles.
         horn: place of the root of the right horn.
         nose: place, radii and sRGB colour of a bare nose; None without.
         mouth: heights of the mouth line at its corner and its front; None without.
@@ -59,6 +60,7 @@ class Skull:
     ear_length: float = 1.0
     ear_width: float = 0.38
     ear_fold: float = 0.55
+    ear_point: float = 0.0
     horn: tuple[float, float, float] = (0.12, 0.75, 0.35)
     nose: tuple[tuple[float, float, float], tuple[float, float, float], str] | None = None
     mouth: tuple[float, float, float, float] | None = None
@@ -105,7 +107,8 @@ SKULLS: Mapping[str, Skull] = {
         ear=(0.03, 0.72, 0.38),
         ear_way=(-0.05, 1.0, 0.16),
         ear_length=1.0,
-        ear_width=0.34,
+        ear_width=0.36,
+        ear_point=0.3,
         mouth=(0.80, -0.72, 1.3, -0.60),
     ),
     "deer": _DEER,
@@ -166,6 +169,7 @@ SKULLS: Mapping[str, Skull] = {
         ear_way=(-0.1, 1.0, 0.35),
         ear_length=1.1,
         ear_width=0.62,
+        ear_point=0.6,
         nose=((1.10, 0.30, 0.0), (0.42, 0.44, 0.54), "#141011"),
         mouth=(0.52, -0.42, 1.2, -0.46),
         muzzle_from=0.5,
@@ -186,7 +190,8 @@ SKULLS: Mapping[str, Skull] = {
         ear=(0.16, 0.78, 0.58),
         ear_way=(0.05, 1.0, 0.36),
         ear_length=1.15,
-        ear_width=0.86,
+        ear_width=0.92,
+        ear_point=0.85,
         nose=((1.12, 0.10, 0.0), (0.28, 0.22, 0.30), "#a85a54"),
         whiskers=0.9,
         mouth=(0.72, -0.62, 1.2, -0.52),
@@ -270,13 +275,13 @@ SKULLS: Mapping[str, Skull] = {
             ((-0.10, 0.0, 0), (0.25, 0.02, 0), (0.92, 0.86), (0.80, 0.78)),
             ((0.20, -0.05, 0), (0.42, -0.05, 0), (0.72, 0.72), (0.60, 0.62)),
         ),
-        eye=(0.14, 0.20, 0.66),
-        eye_size=0.30,
+        eye=(0.24, 0.26, 0.66),
+        eye_size=0.36,
         look=(0.25, 0.08, 1.0),
         pupil="round",
         iris="#2c1a0c",
         muzzle_from=2.0,
-        lids=0.35,
+        lids=0.2,
     ),
 }
 """Skulls by name."""

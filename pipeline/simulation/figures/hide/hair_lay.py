@@ -21,7 +21,7 @@ from pipeline.spec.skin import CoatName
 
 COATS: Mapping[CoatName, tuple[float, float]] = {
     "none": (0.0, 0.0),
-    "sleek": (0.06, 14.0),
+    "sleek": (0.05, 7.0),
     "short": (0.16, 19.0),
     "long": (0.28, 25.0),
     "shaggy": (0.45, 30.0),

@@ -52,7 +52,7 @@ class Skull:
     eye_size: float = 0.2
     look: tuple[float, float, float] = (0.25, 0.15, 1.0)
     pupil: str = "bar"
-    iris: str = "#6e431c"
+    iris: str = "#452710"
     holes: tuple[Hole, ...] = ()
     ear: tuple[float, float, float] = (0.02, 0.75, 0.5)
     ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)

@@ -113,8 +113,9 @@ def pores(rng: np.random.Generator) -> Drawn:
     fold = np.exp(-(((second - first) / 0.12) ** 2))
     pore = np.exp(-((first / 0.15) ** 2))
     flush = noise(rng, 1.9, first=4)
-    shade = 1 + 0.05 * flush - 0.06 * fold - 0.1 * pore
-    return shade.clip(0.5, 1.4), 0.35 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
+    # Hardly flushed: in the shadow, and in the contrast of a low sun, more looks like dirt.
+    shade = 1 + 0.02 * flush - 0.06 * fold - 0.1 * pore
+    return shade.clip(0.5, 1.4), 0.1 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
 
 
 def scales(rng: np.random.Generator) -> Drawn:

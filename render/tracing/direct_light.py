@@ -51,9 +51,10 @@ def surface_light(
 
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
         # In one call, so that textures are read once.
-        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
+        lift = mi.Float(getattr(bsdf, "shadow_lift", 0.0))
+        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si), lift
 
-    value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
+    value, bsdf_pdf, albedo, lift = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
     albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
     if water is not None:
         wet = water.wetness(si.p, si.n)
@@ -61,6 +62,9 @@ def surface_light(
         arriving *= wet * water.reaching(si.p, sample)
     light = mi.Color3f(0.0)
     if has_lamps:
+        # Light that a smooth normal still sees, and the flat face does not, would end in a hard line.
+        seen = dr.sign(dr.dot(si.sh_frame.n, sample.d))
+        si.p += lift * seen * si.sh_frame.n
         light += unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

@@ -119,7 +119,7 @@ def pores(rng: np.random.Generator) -> Drawn:
 
 
 def scales(rng: np.random.Generator) -> Drawn:
-    """Draw keeled scales in rows that are offset by half a scale, and clouds of colour over them."""
+    """Draw keeled scales in rows offset by half a scale, and clouds of colour over them."""
     y, x = np.mgrid[0:TILE, 0:TILE] / TILE
     rows, across = 20, 16
     nearest, off = np.full(x.shape, 9.0), np.zeros_like(x)

@@ -62,9 +62,8 @@ def surface_light(
         arriving *= wet * water.reaching(si.p, sample)
     light = mi.Color3f(0.0)
     if has_lamps:
-        # Light that a smooth normal still sees, and the flat face does not, would end in a hard line.
-        seen = dr.sign(dr.dot(si.sh_frame.n, sample.d))
-        si.p += lift * seen * si.sh_frame.n
+        # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
+        si.p += dr.mulsign(lift, dr.dot(si.sh_frame.n, sample.d)) * si.sh_frame.n
         light += unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

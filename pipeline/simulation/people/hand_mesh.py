@@ -48,7 +48,7 @@ THUMBS = {
 
 THUMB_RADII = (0.0082, 0.0072, 0.0054)
 
-AROUND = 8
+AROUND = 6
 """Vertices of a ring of a finger."""
 
 

@@ -56,7 +56,7 @@ from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
-from pipeline.simulation.spatial import UP, Array, rotation
+from pipeline.simulation.spatial import Array, rotation
 
 MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
@@ -214,7 +214,7 @@ class AnimalHide:
             patch.covered.update(limb.links[first:after])
             shank = min(max(first, first_shank(limb)), after)
             if feet == "plain" or self._is_neckless:
-                # A column or a leg of a squat animal is thick enough for the grid of the trunk, down to its sole.
+                # A column or a leg of a squat animal is thick enough for the grid of the trunk.
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
                 patch.most += COLUMN_TRIANGLES
@@ -400,10 +400,10 @@ class AnimalHide:
             self.untouched.update(limb.links)
             return
         if side == 0.0:
-            solid, paint = proboscis_solid(chain)
+            solid, folds = proboscis_solid(chain)
             patch = self._patch(limb.links[0])
             patch.covered.update(limb.links)
-            patch.skins.append(self.stance.chained(solid, chain, skull_link, paint))
+            patch.skins.append(self.stance.chained(solid, chain, skull_link, folds))
             return
         material = self.figure.skeleton.links[limb.links[-1]].material
         patch = self.patches.setdefault(limb.links[0], Patch())

@@ -85,10 +85,7 @@ class ArthropodHide:
             elif limb.kind in (LEG, ARM, FEELER, HORN, TAIL):
                 self._add_limb(chain, found, covered)
         found[0] += self._stalks()
-        if self.kind == "beetle":
-            found[0] += self._upper_plates()
-        if self.kind == "centipede":
-            found[0] += [self.stance.rigid(s, 0, paint) for s, paint in shields(self.stance)]
+        found[0] += self._upper_plates()
         for link, lumps in self._plates().items():
             most = PLATE_TRIANGLES[self.figure.skeleton.links[link].kind]
             if self.kind in ("beetle", "centipede") and link == 0:
@@ -109,9 +106,13 @@ class ArthropodHide:
         return self.stance.hide(solid, trunk, paint)
 
     def _upper_plates(self) -> list[Skin]:
-        """Return the plates on the back of a beetle."""
-        plan = beetle_plan(self.stance)
-        plates = (wing_case(plan, -1.0), wing_case(plan, 1.0), pronotum(plan), scutellum(plan))
+        """Return the lofted plates on the back of a beetle or a centipede."""
+        plates: list[tuple[Solid, Array]] = []
+        if self.kind == "beetle":
+            plan = beetle_plan(self.stance)
+            plates = [wing_case(plan, -1.0), wing_case(plan, 1.0), pronotum(plan), scutellum(plan)]
+        elif self.kind == "centipede":
+            plates = list(shields(self.stance))
         return [self.stance.rigid(solid, 0, paint) for solid, paint in plates]
 
     def _plates(self) -> dict[int, list[Lump]]:

@@ -50,7 +50,9 @@ def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lu
         thick = 0.80 / max(toes, 2) ** 0.55
         off = place * (wide - 0.55 * thick)
         root = tip + r * (0.45 * way - 0.35 * UP + off * side)
-        end = tip + r * (_toe_reach(toes, place, claws) * way - (0.98 - thick) * UP + 1.12 * off * side)
+        end = tip + r * (
+            _toe_reach(toes, place, claws) * way - (0.98 - thick) * UP + 1.12 * off * side
+        )
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
 
 

@@ -84,7 +84,9 @@ def leg_segment(chain: Chain, i: int, detail: float, style: LegStyle = LegStyle(
     # Shells of legs are a little bowed.
     bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t)
     bow *= 0.0 if is_foot and style.jointed else 1.0
-    outward = normalized(UP * (1.0 - abs(chain.ways[i][1])) + 0.4 * (b - chain.points[0]) * [1, 0, 1])
+    outward = normalized(
+        UP * (1.0 - abs(chain.ways[i][1])) + 0.4 * (b - chain.points[0]) * [1, 0, 1]
+    )
     middle = middle + bow[:, None] * outward
     return tube(middle, radii * shape, max(round(detail * AROUND), 6), style.flat, UP)
 
@@ -208,11 +210,15 @@ def claw_solids(chain: Chain, sign: float) -> list[Solid]:
         end = tip + (0.10 if inner > 0 else 0.55) * r * inner * side
         s = np.linspace(0.0, 1.0, CLAW_RINGS)[:, None]
         curve = (1 - s) ** 2 * root + 2 * s * (1 - s) * bow + s**2 * end
-        sizes = r * thick * np.interp(s[:, 0], [0.0, 0.2, 0.7, 0.93, 1.0], [0.8, 1.0, 0.62, 0.3, 0.06])
+        sizes = (
+            r * thick * np.interp(s[:, 0], [0.0, 0.2, 0.7, 0.93, 1.0], [0.8, 1.0, 0.62, 0.3, 0.06])
+        )
         finger = tube(curve, sizes, 9)
         # Teeth stand along the edges that meet.
         rings = finger.vertices[:-2].reshape(CLAW_RINGS, 9, 3)
-        edge = np.clip(((rings - curve[:, None]) * side).sum(axis=-1) * -inner / sizes[:, None], 0, 1)
+        edge = np.clip(
+            ((rings - curve[:, None]) * side).sum(axis=-1) * -inner / sizes[:, None], 0, 1
+        )
         tooth = 0.34 * np.clip(np.sin(np.arange(CLAW_RINGS) * 2.2), 0.0, 1.0) * (s[:, 0] > 0.25)
         rings -= (inner * edge**3 * (tooth * sizes)[:, None])[..., None] * side
         solids.append(finger)

@@ -171,7 +171,9 @@ class Stance:
         skeleton = self.figure.skeleton
         if self.figure.style != "mammal" or len(skeleton.legs) < 4:
             return ()
-        hips = [self.placed(leg.links[0], skeleton.links[leg.links[0]].ends[0]) for leg in skeleton.legs]
+        hips = [
+            self.placed(leg.links[0], skeleton.links[leg.links[0]].ends[0]) for leg in skeleton.legs
+        ]
         ahead = float(np.median([hip[0] for hip in hips]))
         return tuple(
             leg for leg, hip in zip(skeleton.legs, hips, strict=True) if float(hip[0]) >= ahead

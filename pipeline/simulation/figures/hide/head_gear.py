@@ -35,8 +35,8 @@ WHISKERS = ((0.25, 0.50), (-0.10, 0.25), (-0.30, 0.0), (-0.15, -0.22), (0.15, -0
 WHISKER_RADIUS = 0.035
 """Radius of a whisker at its root, in that of the muzzle: thinner ones would sparkle."""
 
-FOLDS, FOLD_DEPTH = 26, 0.045
-"""Folds around a trunk, and their depth in its radius."""
+FOLDS, FOLD_POINTS, FOLD_DEPTH = 26, 12, 0.045
+"""Folds around a trunk, vertices around it, and the depth of a fold in its radius."""
 
 FOLD_COLOR = "#2b2622"
 
@@ -87,11 +87,11 @@ def proboscis_solid(chain: Chain) -> tuple[Solid, Paint]:
     # Folds are deepest in the middle; the root is part of the face, the tip a ring of lips.
     deep = np.interp(t, [0.0, 0.12, 0.3, 0.8, 1.0], [0.0, 0.5, 1.0, 0.9, 0.3]) * in_fold
     shape = np.interp(t, [0.0, 0.93, 0.97, 1.0], [1.0, 1.0, 1.14, 1.02])
-    solid = tube(middle, radii * shape * (1.0 - FOLD_DEPTH * deep), 14, 0.92, UP)
+    solid = tube(middle, radii * shape * (1.0 - FOLD_DEPTH * deep), FOLD_POINTS, 0.92, UP)
     # The end is hollow.
     way = normalized(middle[-1] - middle[-2])
     solid.vertices[-1] = middle[-1] - 0.7 * radii[-1] * way
-    share = np.concatenate([np.repeat(0.35 * deep, 14), [0.0, 1.0]])
+    share = np.concatenate([np.repeat(0.35 * deep, FOLD_POINTS), [0.0, 1.0]])
     return solid, painted(len(solid.vertices), FOLD_COLOR, share)
 
 

@@ -55,7 +55,7 @@ SUNK = 0.04
 SIDE_TURN = 0.45
 """How far normals turn to the side at the edges of a ribbon, which looks round by it."""
 
-SHADES = (0.75, 1.15, 1.4)
+SHADES = (0.76, 1.13, 1.28)
 """Factors on the colour at root, middle and tip: little light reaches the roots."""
 
 SCATTERED = 0.9

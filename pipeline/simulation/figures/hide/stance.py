@@ -35,9 +35,9 @@ MAX_JOINT_WIDTH = 0.42
 """The same at most, in the length of the shorter link."""
 
 STRAIGHTENED = 0.6
-"""How far flesh of a foreleg goes from its bones to a straight line between elbow and fetlock.
+"""How far the flesh of a foreleg goes from its bones to a straight line between hip and fetlock.
 
-Limbs are drawn bent, so that they fold the right way; the forelegs of animals stand straight.
+Limbs are drawn bent, so that they fold the right way; forelegs and columns stand straight.
 """
 
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
@@ -161,23 +161,24 @@ class Stance:
         points += [self.placed(i, link.ends[1]) for i, link in zip(limb.links, links, strict=True)]
         radii = self.figure.drawing.radii[list(nodes)] * self.figure.scale
         placed = np.array(points)
-        if limb in self.forelegs and len(placed) > 3:
+        if limb in self.straight_legs and len(placed) > 3:
             placed = _straightened(placed)
         return Chain(limb, placed, radii)
 
     @cached_property
-    def forelegs(self) -> tuple[Limb, ...]:
-        """The legs of the front pair of a mammal on four legs."""
+    def straight_legs(self) -> tuple[Limb, ...]:
+        """The front pair of a mammal on four legs; all of them where they are columns."""
         skeleton = self.figure.skeleton
         if self.figure.style != "mammal" or len(skeleton.legs) < 4:
             return ()
-        hips = [
-            self.placed(leg.links[0], skeleton.links[leg.links[0]].ends[0]) for leg in skeleton.legs
+        if self.figure.feet == "plain":
+            return tuple(skeleton.legs)
+        ahead = [
+            float(self.placed(leg.links[0], skeleton.links[leg.links[0]].ends[0])[0])
+            for leg in skeleton.legs
         ]
-        ahead = float(np.median([hip[0] for hip in hips]))
-        return tuple(
-            leg for leg, hip in zip(skeleton.legs, hips, strict=True) if float(hip[0]) >= ahead
-        )
+        middle = float(np.median(ahead))
+        return tuple(leg for leg, x in zip(skeleton.legs, ahead, strict=True) if x >= middle)
 
     def placed(self, link: int, points: Array) -> Array:
         """Return points (..., 3) of the creation frame as they stand on a link [m]."""

@@ -61,7 +61,7 @@ SHADES = (0.76, 1.13, 1.28)
 SCATTERED = 0.9
 """Power of the colour: light that goes from hair to hair, which is not traced, makes it paler."""
 
-BLEACHED = (0.0, 0.0, 0.02)
+BLEACHED = (0.0, 0.0, 0.012)
 """Grey that is added at root, middle and tip: tips are sun-bleached."""
 
 TINT = 0.16

@@ -63,7 +63,8 @@ def surface_light(
     light = mi.Color3f(0.0)
     if has_lamps:
         # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
-        si.p += dr.mulsign(lift, dr.dot(si.sh_frame.n, sample.d)) * si.sh_frame.n
+        lift = dr.select(dr.dot(si.sh_frame.n, sample.d) < 0.0, -lift, lift)
+        si.p += lift * si.sh_frame.n
         light += unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

@@ -63,7 +63,7 @@ MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
 
 
 NECKLESS = 0.9
-"""Radius of a head from which it grows together with the trunk, in the trunk's."""
+"""Radius of a head on spread legs from which it grows together with the trunk, in the trunk's."""
 
 COLUMN_TRIANGLES = 700
 """Triangles that a stout leg adds to the coarse mesh."""
@@ -170,7 +170,10 @@ class AnimalHide:
 
     @cached_property
     def _is_neckless(self) -> bool:
-        return self.head is not None and max(self.head.radii) > NECKLESS * self.coat.girth
+        """Whether it is squat, as a frog, and its head grows together with its trunk."""
+        is_spread = self.figure.style != "mammal"
+        broad = NECKLESS * self.coat.girth
+        return is_spread and self.head is not None and max(self.head.radii) > broad
 
     def _haunches(self) -> Iterator[Lump]:
         # Spread legs have no shoulders that stand out.

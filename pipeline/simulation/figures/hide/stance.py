@@ -40,6 +40,9 @@ STRAIGHTENED = 0.6
 Limbs are drawn bent, so that they fold the right way; forelegs and columns stand straight.
 """
 
+SPRAWL = 0.75
+"""How much lower the elbow of a short spread leg is than its joint, in the rise of that."""
+
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -163,7 +166,16 @@ class Stance:
         placed = np.array(points)
         if limb in self.straight_legs and len(placed) > 3:
             placed = _straightened(placed)
+        elif self._sprawls(limb):
+            rise = max(float(placed[1, 1] - placed[0, 1]), 0.0)
+            placed[1, 1] -= SPRAWL * rise
         return Chain(limb, placed, radii)
+
+    def _sprawls(self, limb: Limb) -> bool:
+        """Return whether a limb is a short spread leg of an animal, as of a lizard."""
+        figure = self.figure
+        is_spread = figure.style != "mammal" and figure.skin.shell == "plain"
+        return is_spread and limb in figure.skeleton.legs and len(limb.links) == 2
 
     @cached_property
     def straight_legs(self) -> tuple[Limb, ...]:

@@ -222,9 +222,10 @@ class Stance:
             width = ROOT_WIDTH * float(chain.radii[:2].mean())
             off = smoothstep(0.5 + 0.5 * (body[mine] - own[mine]) / width)
             if len(chains) > 1:
-                # Only where limbs grow from the body: feet side by side follow their own legs.
+                # Less far from the body: feet side by side follow their own legs.
                 clear = smoothstep((body[mine] - own[mine]) / width - 0.5)
-                off *= np.maximum(smoothstep((other[mine] - own[mine]) / (0.5 * width)), clear)
+                between = (0.5 - 0.38 * clear) * width
+                off *= smoothstep((other[mine] - own[mine]) / between)
             at = off * chain.coordinates(places[mine], distances[:, mine])
             numbers = np.array([0, *chain.limb.links])
             lower = np.clip(np.floor(at).astype(int), 0, len(numbers) - 2)

@@ -68,6 +68,9 @@ NECKLESS = 0.9
 COLUMN_TRIANGLES = 700
 """Triangles that a stout leg adds to the coarse mesh."""
 
+TASSEL_CELL, TASSEL_TRIANGLES = 0.5, 300
+"""Cell of the tuft or the bush of a tail, in its radius, and its most triangles."""
+
 LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
 
@@ -384,7 +387,10 @@ class AnimalHide:
             solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0)
             own.skins.append(self._hide(solid, [i]))
             if word in ("tassel", "brush") and after == len(limb.links):
-                own.lumps += tassel_lumps(chain, word)
+                # By itself: it would grow together with legs that it hangs beside.
+                cell = TASSEL_CELL * float(chain.radii[1:].max())
+                tuft = budgeted(list(tassel_lumps(chain, word)), cell, TASSEL_TRIANGLES)
+                own.skins.append(self._hide(tuft, [i]))
 
     # --- ears and horns ---
 

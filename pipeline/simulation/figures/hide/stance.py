@@ -224,7 +224,7 @@ class Stance:
             if len(chains) > 1:
                 # Less far from the body: feet side by side follow their own legs.
                 clear = smoothstep((body[mine] - own[mine]) / width - 0.5)
-                between = (0.5 - 0.38 * clear) * width
+                between = (0.5 - 0.26 * clear) * width
                 off *= smoothstep((other[mine] - own[mine]) / between)
             at = off * chain.coordinates(places[mine], distances[:, mine])
             numbers = np.array([0, *chain.limb.links])

@@ -65,7 +65,7 @@ MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
 NECKLESS = 0.9
 """Radius of a head on spread legs from which it grows together with the trunk, in the trunk's."""
 
-COLUMN_TRIANGLES = 700
+COLUMN_TRIANGLES = 600
 """Triangles that a stout leg adds to the coarse mesh."""
 
 TASSEL_CELL, TASSEL_TRIANGLES = 0.5, 300

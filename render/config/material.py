@@ -33,6 +33,7 @@ Texture = Literal[
     "fur",
     "plumage",
     "pores",
+    "scales",
     "weave",
     "scratches",
     "brushed",

@@ -25,6 +25,9 @@ SUBSURFACE_FALLOFF = (0.30, 0.06, -0.08)
 """By how much the power of the cosine with which skin darkens differs from Lambert's 1: red, green,
 blue. Red goes farthest below the surface, and around the edge of a shade."""
 
+SHADOW_LIFT = 0.004
+"""Height above skin from which its shadows are looked for, more than its faces are flat [m]."""
+
 LEAST_COSINE = 0.02
 """Cosine from which on light that grazes a surface is no longer strengthened."""
 
@@ -126,6 +129,7 @@ def glossy_bsdf(material: Material, shader: Shader, values: dict[str, Any]) -> A
     surface.paint, surface.base = paint, mi.load_dict(opaque_bsdf(material, paint))
     surface.shader, surface.values = shader, values
     surface.falloff = tuple(material.subsurface * share for share in SUBSURFACE_FALLOFF)
+    surface.shadow_lift = SHADOW_LIFT * material.subsurface
     surface.set_flags()
     return surface
 
@@ -272,6 +276,7 @@ class _GlossyBsdf(_ShadedBsdf):
     paint: Any
     base: Any
     falloff: tuple[float, ...]
+    shadow_lift: float
 
     def set_flags(self) -> None:
         """Copy the flags of the wrapped BSDF, for both sides."""

@@ -113,8 +113,31 @@ def pores(rng: np.random.Generator) -> Drawn:
     fold = np.exp(-(((second - first) / 0.12) ** 2))
     pore = np.exp(-((first / 0.15) ** 2))
     flush = noise(rng, 1.9, first=4)
-    shade = 1 + 0.05 * flush - 0.06 * fold - 0.1 * pore
-    return shade.clip(0.5, 1.4), 0.35 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
+    # Hardly flushed: in the shadow, and in the contrast of a low sun, more looks like dirt.
+    shade = 1 + 0.02 * flush - 0.06 * fold - 0.1 * pore
+    return shade.clip(0.5, 1.4), 0.1 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
+
+
+def scales(rng: np.random.Generator) -> Drawn:
+    """Draw keeled scales in rows offset by half a scale, and clouds of colour over them."""
+    y, x = np.mgrid[0:TILE, 0:TILE] / TILE
+    rows, across = 20, 16
+    nearest, off = np.full(x.shape, 9.0), np.zeros_like(x)
+    for half in (0, 1):
+        # Twice as many rows as columns, every second one offset: each scale has six neighbours.
+        v = (y * across + 0.5 * half) % 1.0 - 0.5
+        u = (x * rows + 0.5 * half) % 1.0 - 0.5
+        away = np.hypot(v, 0.86 * u)
+        off = np.where(away < nearest, v, off)
+        nearest = np.minimum(nearest, away)
+    dome = np.clip(1.0 - (nearest / 0.52) ** 2, 0.0, 1.0)
+    edge = np.exp(-(((nearest - 0.50) / 0.07) ** 2))
+    keel = np.exp(-((off / 0.06) ** 2)) * dome
+    cloud = np.tanh(noise(rng, 1.8, first=5))
+    shade = 0.82 + 0.26 * dome - 0.30 * edge + 0.12 * keel + 0.10 * cloud
+    shade += 0.03 * noise(rng, 0.7, first=50)
+    relief = 0.0045 * np.sqrt(dome) + 0.0012 * keel
+    return shade.clip(0.3, 1.6), 0.35 * cloud, relief, 0.5
 
 
 def weave(rng: np.random.Generator) -> Drawn:

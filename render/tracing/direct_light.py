@@ -49,7 +49,11 @@ def surface_light(
     shining *= dimmed(shade, emitter, ray.o)
     sample, arriving = emitter_sample(scene, si, *u, si.is_valid())
     arriving *= dimmed(shade, sample.emitter, si.p)
-    value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), eval_pdf_albedo, si, si.to_local(sample.d))
+
+    def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
+        return *eval_pdf_albedo(bsdf, si, wo), mi.Float(getattr(bsdf, "shadow_lift", 0.0))
+
+    value, bsdf_pdf, albedo, lift = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
     albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
     if water is not None:
         wet = water.wetness(si.p, si.n)
@@ -57,6 +61,9 @@ def surface_light(
         arriving *= wet * water.reaching(si.p, sample)
     light = mi.Color3f(0.0)
     if has_lamps:
+        # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
+        lift = dr.select(dr.dot(si.sh_frame.n, sample.d) < 0.0, -lift, lift)
+        si.p += lift * si.sh_frame.n
         light += unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

@@ -37,10 +37,10 @@ VANE_WIDTH = 0.15
 VANE_COVER = 5.0
 """Feathers over a point of the skin."""
 
-CLUMP = 0.25
+CLUMP = 0.22
 """Distance of the tips that hairs draw together to, in the length of the coat."""
 
-CLUMPING = 0.42
+CLUMPING = 0.32
 """How much tips draw together."""
 
 SPREAD = 0.12
@@ -55,10 +55,13 @@ SUNK = 0.04
 SIDE_TURN = 0.45
 """How far normals turn to the side at the edges of a ribbon, which looks round by it."""
 
-SHADES = (0.70, 1.05, 1.25)
+SHADES = (0.76, 1.13, 1.28)
 """Factors on the colour at root, middle and tip: little light reaches the roots."""
 
-BLEACHED = (0.0, 0.0, 0.02)
+SCATTERED = 0.9
+"""Power of the colour: light that goes from hair to hair, which is not traced, makes it paler."""
+
+BLEACHED = (0.0, 0.0, 0.012)
 """Grey that is added at root, middle and tip: tips are sun-bleached."""
 
 TINT = 0.16
@@ -257,12 +260,12 @@ def grown_pelt(
     clumps = np.unique(cell, axis=0, return_inverse=True)[1].reshape(-1)
     astray = SPREAD * np.clip(draw.normal(size=(count, 2)), -2.0, 2.0)
     grown = draw.uniform(0.7, 1.2, count)
-    clumping = CLUMPING * draw.uniform(0.3, 1.0, count) * (0.0 if vanes else 1.0)
+    clumping = CLUMPING * draw.uniform(0.1, 1.0, count) * (0.0 if vanes else 1.0)
     tint = np.exp(TINT * np.clip(draw.normal(size=count), -2.0, 2.0))
     places = list((0, 1, 1, 1, 2, 2, 2) if vanes else (0, 0, 1, 1, 2))
     shades, bleached = (np.array(values)[places, None] for values in (SHADES, BLEACHED))
     base = _skin_colors(mesh, material, corners, shares)
-    colors = base[:, None] * tint[:, None, None] * shades + bleached
+    colors = base[:, None] ** SCATTERED * tint[:, None, None] * shades + bleached
     pattern = VANE if vanes else RIBBON
     faces = pattern + (int(pattern.max()) + 1) * np.arange(count)[:, None, None]
     return Pelt(

@@ -20,10 +20,10 @@ WRIST = 0.476
 """Height from which the bones of the palm spread, as a fraction of an adult's height."""
 
 FINGERS = (
-    (0.0172, 0.4300, 0.0430, 0.0056),
-    (0.0052, 0.4280, 0.0480, 0.0058),
-    (-0.0066, 0.4300, 0.0445, 0.0055),
-    (-0.0172, 0.4345, 0.0355, 0.0048),
+    (0.0168, 0.4325, 0.0490, 0.0054),
+    (0.0054, 0.4305, 0.0545, 0.0056),
+    (-0.0060, 0.4325, 0.0505, 0.0053),
+    (-0.0166, 0.4370, 0.0410, 0.0046),
 )
 """From the index on: place ahead, height of the knuckle, length, radius."""
 
@@ -60,7 +60,7 @@ def palm(build: BodyMeasures) -> Field:
             (0.45 * ahead * g, wrist, z),
             (ahead * g, build.level(knuckle), z),
             0.0085 * g,
-            1.20 * radius * g,
+            1.04 * radius * g,
         )
         for ahead, knuckle, _, radius in FINGERS
     ]
@@ -70,7 +70,7 @@ def palm(build: BodyMeasures) -> Field:
     heel = ellipsoid(
         (-0.0110 * g, wrist - 0.022 * g, z - 0.0060 * g), g * np.array([0.009, 0.020, 0.0080])
     )
-    return smooth_union([smooth_union(bones, 0.008 * g), thumb, heel], 0.010 * g)
+    return smooth_union([smooth_union(bones, 0.006 * g), thumb, heel], 0.009 * g)
 
 
 def fingers(build: BodyMeasures) -> list[SkinnedPatch]:
@@ -109,7 +109,7 @@ def _digits(build: BodyMeasures, shape: str) -> list[tuple[Array, Array]]:
             step = np.array([0.0, -np.cos(angle), -np.sin(angle)])
             points.append(points[-1] + part * length * g * step)
         line = _rounded(np.array(points))
-        taper = np.interp(np.linspace(0, 3, len(line)), (0, 1, 2, 3), (1.0, 1.0, 0.90, 0.74))
+        taper = np.interp(np.linspace(0, 3, len(line)), (0, 1, 2, 3), (1.04, 0.98, 0.90, 0.72))
         found.append((line, radius * g * taper))
     return found
 

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
+from pipeline.simulation.figures.hide.feet import paw_lumps
 from pipeline.simulation.figures.hide.lumps import ball, mesh_lumps
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.simulation.figures.hide.wing_cases import ShellPlan, wing_case
@@ -94,6 +95,57 @@ def test_a_surface_goes_to_the_creation_frame_and_back() -> None:
     links = np.full((2, 2), link)
     back = stance.unposed(places, links, np.zeros(2))
     np.testing.assert_allclose(back, figure.skeleton.links[link].ends, atol=1e-9)
+
+
+def test_forelegs_look_straighter_than_their_bones() -> None:
+    figure = built(words_of("horse"))
+    stance = Stance(figure)
+    assert len(stance.straight_legs) == 2
+    for limb in stance.straight_legs:
+        links = [figure.skeleton.links[i] for i in limb.links]
+        bones = np.array(
+            [stance.placed(i, link.ends[1]) for i, link in zip(limb.links, links, strict=True)]
+        )
+        seen = stance.chain(limb).points[1:]
+        np.testing.assert_array_equal(seen[-2:], bones[-2:])
+        # From elbow to fetlock the knee lies ahead of the line.
+        off = [p[1, 0] - 0.5 * (p[0, 0] + p[2, 0]) for p in (seen, bones)]
+        assert 0.0 < off[0] < 0.5 * off[1]
+
+
+def test_feet_side_by_side_follow_their_own_legs() -> None:
+    figure = built(words_of("elephant"))
+    stance = Stance(figure)
+    legs = [i for i, limb in enumerate(figure.skeleton.limbs) if limb.kind == "leg"]
+    for i in legs:
+        chain = stance.chains[i]
+        around = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, -1, 0]])
+        places = chain.points[-1] + chain.radii[-1] * around
+        links, share = stance.follow(places, legs)
+        np.testing.assert_array_equal(links[:, 1], chain.limb.links[-1])
+        np.testing.assert_allclose(share, 1.0, atol=1e-6)
+
+
+def test_a_trunk_grows_from_the_skull() -> None:
+    figure = built(words_of("elephant"))
+    hide = figure_skin(figure).skins[0]
+    head = next(limb for limb in figure.skeleton.limbs if limb.kind == "head")
+    trunk = next(
+        limb for limb in figure.skeleton.limbs if limb.kind == "feeler" and limb.side == "m"
+    )
+    pairs = {tuple(pair) for pair in hide.links.tolist()}
+    assert (head.links[-1], trunk.links[0]) in pairs
+    assert (trunk.links[-2], trunk.links[-1]) in pairs
+
+
+def test_a_foot_with_two_toes_is_long_with_claws_and_a_pad_without() -> None:
+    figure = built(words_of("camel"))
+    chain = Stance(figure).chain(figure.skeleton.legs[0])
+    reach = [
+        max(float(lump.b[0]) for lump in paw_lumps(chain, 2, np.ones(2), claws))
+        for claws in (True, False)
+    ]
+    assert reach[0] > reach[1] + float(chain.radii[-1])
 
 
 def test_lumps_are_meshed_to_their_radii() -> None:

@@ -20,6 +20,7 @@ from pipeline.simulation.figures.hide.feet import (
     foot_way,
     paw_claws,
     paw_lumps,
+    sole_lump,
     spread_toes,
     toe_nails,
 )
@@ -30,17 +31,19 @@ from pipeline.simulation.figures.hide.head_gear import (
     ear_solid,
     horn_solid,
     mouth_solid,
+    proboscis_solid,
     whisker_solids,
 )
 from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
 from pipeline.simulation.figures.hide.shanks import (
+    above_shank,
     ankle_lump,
     first_shank,
     shank_solid,
     tail_solid,
 )
-from pipeline.simulation.figures.hide.sheets import hoof, lay, painted
+from pipeline.simulation.figures.hide.sheets import Paint, hoof, lay, painted
 from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
 from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
 from pipeline.simulation.figures.hide.trunk import (
@@ -50,14 +53,23 @@ from pipeline.simulation.figures.hide.trunk import (
     tube_lumps,
 )
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
-from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
-from pipeline.simulation.spatial import UP, Array, rotation
+from pipeline.simulation.spatial import Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
+
+NECKLESS = 0.9
+"""Radius of a head on spread legs from which it grows together with the trunk, in the trunk's."""
+
+COLUMN_TRIANGLES = 600
+"""Triangles that a stout leg adds to the coarse mesh."""
+
+TASSEL_CELL, TASSEL_TRIANGLES = 0.5, 300
+"""Cell of the tuft or the bush of a tail, in its radius, and its most triangles."""
 
 LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
@@ -91,6 +103,8 @@ class Patch:
         fine: lumps of finer meshes, their cell [m], their most triangles, and whether a skull's.
         skins: more surfaces.
         covered: links inside.
+        most: triangles of its coarse mesh beyond the usual.
+        has_face: whether the skull is part of its coarse mesh.
     """
 
     limbs: list[int] = field(default_factory=list)
@@ -98,6 +112,8 @@ class Patch:
     fine: list[tuple[list[Lump], float, int, bool]] = field(default_factory=list)
     skins: list[Skin] = field(default_factory=list)
     covered: set[int] = field(default_factory=set)
+    most: int = 0
+    has_face: bool = False
 
 
 class AnimalHide:
@@ -155,6 +171,13 @@ class AnimalHide:
             covered |= patch.covered
         return found, covered - set(found)
 
+    @cached_property
+    def _is_neckless(self) -> bool:
+        """Whether it is squat, as a frog, and its head grows together with its trunk."""
+        is_spread = self.figure.style != "mammal"
+        broad = NECKLESS * self.coat.girth
+        return is_spread and self.head is not None and max(self.head.radii) > broad
+
     def _haunches(self) -> Iterator[Lump]:
         # Spread legs have no shoulders that stand out.
         return haunch_lumps(self.stance) if self.figure.style == "mammal" else iter(())
@@ -196,13 +219,18 @@ class AnimalHide:
             patch.limbs.append(i)
             patch.covered.update(limb.links[first:after])
             shank = min(max(first, first_shank(limb)), after)
-            if shank == after or after < len(limb.links) or first >= first_shank(limb):
+            if feet == "plain" or self._is_neckless:
+                # A column or a leg of a squat animal is thick enough for the grid of the trunk.
+                lumps = list(leg_lumps(chain, first, after, girths))
+                patch.lumps += lumps
+                patch.most += COLUMN_TRIANGLES
+            elif shank == after or after < len(limb.links) or first >= first_shank(limb):
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
             else:
-                patch.lumps += leg_lumps(chain, first, shank, girths)
+                patch.lumps += leg_lumps(chain, first, shank, girths, above_shank(feet))
                 lumps = [ankle_lump(chain)]
-                solid = shank_solid(chain, shank, girths)
+                solid = shank_solid(chain, shank, girths, feet)
                 patch.skins.append(self._hide(solid, [i]))
             if after == len(limb.links):
                 self._add_foot(chain, feet, patch, lumps, girths[-1])
@@ -236,17 +264,13 @@ class AnimalHide:
             paint = None if differs else painted(len(solid.vertices), DARK_HORN)
             target.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "paws":
-            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths)]
+            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths, self.figure.skin.claws)]
             patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
             for solid in paw_claws(chain, toes) if self.figure.skin.claws else ():
                 paint = painted(len(solid.vertices), DARK_HORN)
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "plain":
-            tip = chain.points[-1]
-            pad = ball(
-                tip - 0.2 * radius * UP, (1.08 * radius, 0.78 * radius, 1.04 * radius), 0.4 * radius
-            )
-            patch.fine.append(([*lumps[-1:], pad], FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            patch.lumps.append(sole_lump(chain))
             for solid in toe_nails(chain, toes):
                 paint = painted(len(solid.vertices), "#b3a68f")
                 patch.skins.append(self.stance.rigid(solid, last, paint))
@@ -288,8 +312,14 @@ class AnimalHide:
             bearer.limbs.append(i)
         bearer.covered.add(last)
         radius = max(self.head.radii)
-        lumps = [*stub[-2:], *self.head.lumps()]
-        bearer.fine.append((lumps, HEAD_CELL * radius, FINE_TRIANGLES, True))
+        if self._is_neckless:
+            # A head as broad as the trunk grows together with it.
+            bearer.lumps += self.head.lumps()
+            bearer.most += FINE_TRIANGLES
+            bearer.has_face = True
+        else:
+            lumps = [*stub[-2:], *self.head.lumps()]
+            bearer.fine.append((lumps, HEAD_CELL * radius, FINE_TRIANGLES, True))
         self._add_features(bearer, last)
         if is_bird:
             patch = self.patches.setdefault(last, Patch())
@@ -306,7 +336,13 @@ class AnimalHide:
         """Add lids, mouth and whiskers, which are finer than the mesh of a skull."""
         head = self.head
         assert head is not None
-        features = [eyelids(head, side) for side in (1.0, -1.0)] if head.skull.lids else []
+        features: list[tuple[Solid, Paint]] = []
+        for side in (1.0, -1.0) if head.skull.lids else ():
+            solid, rim = eyelids(head, side)
+            paint = self.coat.paint(solid, patch.limbs, True)
+            assert paint is not None
+            lay(paint, head.skull.lid_color, rim)
+            features.append((solid, paint))
         mouth = mouth_solid(head)
         if mouth is not None:
             features.append((mouth, painted(len(mouth.vertices), MOUTH_COLOR)))
@@ -351,7 +387,10 @@ class AnimalHide:
             solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0)
             own.skins.append(self._hide(solid, [i]))
             if word in ("tassel", "brush") and after == len(limb.links):
-                own.lumps += tassel_lumps(chain, word)
+                # By itself: it would grow together with legs that it hangs beside.
+                cell = TASSEL_CELL * float(chain.radii[1:].max())
+                tuft = budgeted(list(tassel_lumps(chain, word)), cell, TASSEL_TRIANGLES)
+                own.skins.append(self._hide(tuft, [i]))
 
     # --- ears and horns ---
 
@@ -366,8 +405,14 @@ class AnimalHide:
             for p in self.stance.chains[self.head_limb].points[1:]
         )
         side = float(np.sign(chain.points[-1][2])) if limb.side != "m" else 0.0
-        if side == 0.0 or on_head > 1e-6 * limb.length:
+        if on_head > 1e-6 * limb.length or (side == 0.0 and limb.kind != FEELER):
             self.untouched.update(limb.links)
+            return
+        if side == 0.0:
+            solid, folds = proboscis_solid(chain)
+            patch = self._patch(limb.links[0])
+            patch.covered.update(limb.links)
+            patch.skins.append(self.stance.chained(solid, chain, skull_link, folds))
             return
         material = self.figure.skeleton.links[limb.links[-1]].material
         patch = self.patches.setdefault(limb.links[0], Patch())
@@ -419,9 +464,11 @@ class AnimalHide:
             high = np.max([np.maximum(g.a, g.b) + g.reach for g in patch.lumps], axis=0)
             cell = float((high - low).max()) / CELLS
             most = MAIN_TRIANGLES if patch is self.patches[0] else LIMB_TRIANGLES
+            most += patch.most
             if any(paint.where == "patches" for paint in self.figure.skin.paint):
                 cell, most = NET_CELL * cell, int(most / NET_CELL**2)
-            yield self._meshed(patch, patch.lumps, cell, most, False)
+            solid = budgeted(patch.lumps, cell, most)
+            yield self._hide(solid, patch.limbs, has_face=patch.has_face)
         for lumps, cell, most, is_head in patch.fine:
             yield self._meshed(patch, lumps, cell, most, is_head)
         yield from patch.skins
@@ -432,9 +479,11 @@ class AnimalHide:
         solid = budgeted(lumps, cell, most)
         return self._hide(solid, patch.limbs, is_head)
 
-    def _hide(self, solid: Solid, limbs: list[int], is_head: bool = False) -> Skin:
+    def _hide(
+        self, solid: Solid, limbs: list[int], is_head: bool = False, has_face: bool = False
+    ) -> Skin:
         """Return a surface with its paint and its hair."""
-        paint = self.coat.paint(solid, limbs, is_head)
+        paint = self.coat.paint(solid, limbs, is_head, has_face)
         for lump, color in self.colored:
             share = smoothstep(
                 1.0 - 3.0 * lump.distance(solid.vertices) / float(lump.radii_a.min())

@@ -12,6 +12,8 @@ from pipeline.simulation.figures.hide.coat import Coat
 from pipeline.simulation.figures.hide.lumps import Lump, budgeted
 from pipeline.simulation.figures.hide.sheets import outward, painted, small_ball, tube
 from pipeline.simulation.figures.hide.shell_parts import (
+    LEG_STYLES,
+    LegStyle,
     antenna_segment,
     beetle_leg,
     claw_solids,
@@ -22,7 +24,7 @@ from pipeline.simulation.figures.hide.shell_parts import (
     palps,
     sting_solid,
 )
-from pipeline.simulation.figures.hide.shells import beetle_plan, body_plates
+from pipeline.simulation.figures.hide.shells import beetle_plan, body_plates, shields
 from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
 from pipeline.simulation.figures.hide.wing_cases import pronotum, scutellum, wing_case
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
@@ -35,7 +37,7 @@ PLATE_TRIANGLES = {"body": 4000, HEAD: 800, TAIL: 1500}
 """Most triangles of the plates of a trunk, and of a head or abdomen of another material."""
 
 BELOW_TRIANGLES = 1900
-"""The same of a beetle's head and what is below its upper plates."""
+"""The same of a body whose upper plates are lofted."""
 
 UNDERSIDE_COLOR = "#0f0b08"
 
@@ -83,11 +85,10 @@ class ArthropodHide:
             elif limb.kind in (LEG, ARM, FEELER, HORN, TAIL):
                 self._add_limb(chain, found, covered)
         found[0] += self._stalks()
-        if self.kind == "beetle":
-            found[0] += self._upper_plates()
+        found[0] += self._upper_plates()
         for link, lumps in self._plates().items():
             most = PLATE_TRIANGLES[self.figure.skeleton.links[link].kind]
-            if self.kind == "beetle" and link == 0:
+            if self.kind in ("beetle", "centipede") and link == 0:
                 most = BELOW_TRIANGLES
             found.setdefault(link, []).insert(0, self._meshed(lumps, most, trunk))
         return {link: merge_skins(skins) for link, skins in found.items()}, covered - set(found)
@@ -105,9 +106,13 @@ class ArthropodHide:
         return self.stance.hide(solid, trunk, paint)
 
     def _upper_plates(self) -> list[Skin]:
-        """Return the plates on the back of a beetle."""
-        plan = beetle_plan(self.stance)
-        plates = (wing_case(plan, -1.0), wing_case(plan, 1.0), pronotum(plan), scutellum(plan))
+        """Return the lofted plates on the back of a beetle or a centipede."""
+        plates: list[tuple[Solid, Array]] = []
+        if self.kind == "beetle":
+            plan = beetle_plan(self.stance)
+            plates = [wing_case(plan, -1.0), wing_case(plan, 1.0), pronotum(plan), scutellum(plan)]
+        elif self.kind == "centipede":
+            plates = list(shields(self.stance))
         return [self.stance.rigid(solid, 0, paint) for solid, paint in plates]
 
     def _plates(self) -> dict[int, list[Lump]]:
@@ -147,16 +152,16 @@ class ArthropodHide:
         if claw:
             if last:
                 return claw_solids(chain, sign)
-            return [leg_segment(chain, i, self._detail)]
+            return [leg_segment(chain, i, self._detail, self._leg_style)]
         if kind in (LEG, ARM):
             if self.kind == "beetle":
                 solids = beetle_leg(chain, i)
             else:
-                solids = [leg_segment(chain, i, self._detail)]
+                solids = [leg_segment(chain, i, self._detail, self._leg_style)]
             if i == 0 and self.kind != "beetle":
                 r = min(float(chain.radii[0]), 1.5 * float(chain.radii[1]))
                 solids.append(small_ball(chain.points[0], 0.95 * r))
-            if last:
+            if last and self._leg_style.jointed:
                 solids += _claws(chain)
             return solids
         if kind == TAIL:
@@ -189,6 +194,10 @@ class ArthropodHide:
             r = self._head_radius
             solids.append(tube(curve, r * np.linspace(0.34, 0.24, 6), 8))
         return [self.stance.rigid(solid, self._head_link) for solid in solids]
+
+    @property
+    def _leg_style(self) -> LegStyle:
+        return LEG_STYLES.get(self.kind, LegStyle())
 
     @property
     def _detail(self) -> float:

@@ -17,6 +17,8 @@ from pipeline.simulation.spatial import Array
 PATTERN_SIZES: Mapping[str, float] = {"spots": 0.42, "patches": 0.75, "stripes": 0.55}
 """Distance of a pattern's figures, in the body's radius."""
 
+NET, NET_EDGE = 0.05, 0.09
+"""Half the width of the net between patches, and that of its edge, in the distance of patches."""
 
 LIMB_PLACES: Mapping[str, tuple[str, float, float]] = {
     "legs": ("leg", 0.18, 0.15),
@@ -47,16 +49,19 @@ class Coat:
         figure = self.stance.figure
         return float(figure.drawing.radii[list(figure.anatomy.body)].max()) * figure.scale
 
-    def paint(self, solid: Solid, limbs: list[int], is_head: bool) -> Paint | None:
+    def paint(
+        self, solid: Solid, limbs: list[int], is_head: bool, has_face: bool = False
+    ) -> Paint | None:
         """Return the paint of a surface, None where there is none.
 
         Args:
             solid: as the figure stands.
             limbs: numbers of the limbs that it covers.
             is_head: whether it is the skull's.
+            has_face: whether the skull is a part of it.
         """
         config = self.stance.figure.skin
-        if not config.paint and not is_head:
+        if not config.paint and not is_head and not has_face:
             return None
         paint = np.zeros((len(solid.vertices), 4))
         at = _Places(self, solid, limbs, is_head)
@@ -64,7 +69,7 @@ class Coat:
             share = at.share(layer.where, layer.size)
             if share is not None:
                 lay(paint, layer.color, layer.share * share)
-        if is_head and self.head is not None:
+        if (is_head or has_face) and self.head is not None:
             over = self.head.paint(solid.vertices)
             keep = (1.0 - over[:, 3:]) * paint[:, 3:]
             total = keep + over[:, 3:]
@@ -164,7 +169,7 @@ class _Places:
         nearest, second = _cell_distances(p / step)
         if kind == "spots":
             return smoothstep((0.36 - nearest) / 0.10)
-        return smoothstep((second - nearest - 0.09) / 0.06)
+        return smoothstep((second - nearest - NET) / NET_EDGE)
 
 
 def arc_share(points: Array, places: Array) -> Array:

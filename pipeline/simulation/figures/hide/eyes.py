@@ -7,12 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.sheets import Paint, lay, linear_color, outward, painted
+from pipeline.simulation.figures.hide.sheets import Paint, lay, linear_color, outward
 from pipeline.simulation.figures.hide.stance import smoothstep
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 
-EYE_AROUND = 14
+EYE_AROUND = 16
 
 EYE_ANGLES = np.radians([8, 15, 20, 26, 34, 41, 48, 55, 61, 68, 100])
 """Rings of an eyeball from where it looks [rad]: fine where pupil and iris end."""
@@ -29,14 +29,17 @@ PUPILS: Mapping[str, tuple[float, float]] = {
 SCLERA = "#1e1611"
 """Colour of the visible part of an eye around its iris: animals show no white."""
 
-CATCHLIGHT_DEG, CATCHLIGHT_SIZE_DEG = 30.0, 13.0
+CATCHLIGHT_DEG, CATCHLIGHT_SIZE_DEG = 33.0, 11.0
 """Angle and radius of the reflection of the sky: that of the sun alone is less than a pixel."""
 
 LID_OPENING, LID_CORNERS, LID_DROOP = 57.0, 13.0, 9.0
 """Angle at which lids end, what it is more at the corners, and less above [degrees]."""
 
-LID_RINGS = ((0.0, 1.02), (3.0, 1.13), (24.0, 1.16), (58.0, 1.04))
+LID_RINGS = ((0.0, 1.02), (3.0, 1.11), (11.0, 1.16), (26.0, 1.17), (58.0, 1.02))
 """Rings of lids: angle beyond their edge [degrees], and radius in that of the eye."""
+
+LID_RIM = (1.0, 1.0, 0.7, 0.1, 0.0)
+"""Share of the dark rim at these rings: beyond it a lid has the coat of the face."""
 
 
 def _axes(head: Head, side: float) -> Array:
@@ -81,8 +84,8 @@ def eyeball(head: Head, side: float, iris: str) -> tuple[Solid, Paint]:
     return solid, paint
 
 
-def eyelids(head: Head, side: float) -> tuple[Solid, Paint]:
-    """Return the dark lids around an eye, almond-shaped, and their paint."""
+def eyelids(head: Head, side: float) -> tuple[Solid, Array]:
+    """Return the almond-shaped lids around an eye, and the share of their dark rim."""
     axes, size, middle = _axes(head, side), head.eye_radius, head.eye(side)
     azimuth = np.arange(EYE_AROUND) * (2.0 * np.pi / EYE_AROUND)
     edge = LID_OPENING + LID_CORNERS * np.sin(azimuth) ** 2
@@ -94,4 +97,4 @@ def eyelids(head: Head, side: float) -> tuple[Solid, Paint]:
     )
     # Both ends are inside the ball.
     solid = outward(loft(rings, np.stack([middle, middle - 0.5 * size * axes[0]])))
-    return solid, painted(len(solid.vertices), head.skull.lid_color)
+    return solid, np.concatenate([np.repeat(LID_RIM, EYE_AROUND), [1.0, 0.0]])

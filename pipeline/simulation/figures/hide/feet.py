@@ -16,7 +16,7 @@ CLAW_SIZE = 0.6
 """Size of the claws of a paw, whose coat hides their roots."""
 
 TWO_TOES = 2.1
-"""Length of the toes of a paw with two, as of a kangaroo, in that of a paw with more."""
+"""Length of two toes with claws, as of a kangaroo, in those of a paw with more."""
 
 LEVEL_LINK = 0.55
 """Sine of the slope up to which a foot points along its last link."""
@@ -38,25 +38,40 @@ def foot_way(chain: Chain) -> Array:
     return normalized(np.array([way[0], 0.0, way[2]]))
 
 
-def paw_lumps(chain: Chain, toes: int, girth: Array) -> Iterator[Lump]:
+def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lump]:
     """Yield a pad, and toes side by side; `girth` is width and height in the drawn radius."""
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
     side = cross(way, UP)
     axes = np.stack([way, UP, side])
-    wide = (1.15 if toes > 2 else 0.95) * float(girth[0])
+    wide = (1.15 if toes > 2 or not claws else 0.95) * float(girth[0])
     yield ball(tip + r * (0.10 * way - 0.25 * UP), (1.15 * r, 0.72 * r, wide * r), 0.5 * r, axes)
     for k in range(toes):
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
         thick = 0.80 / max(toes, 2) ** 0.55
         off = place * (wide - 0.55 * thick)
         root = tip + r * (0.45 * way - 0.35 * UP + off * side)
-        end = tip + r * (_toe_reach(toes, place) * way - (0.98 - thick) * UP + 1.12 * off * side)
+        end = tip + r * (
+            _toe_reach(toes, place, claws) * way - (0.98 - thick) * UP + 1.12 * off * side
+        )
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
 
 
-def _toe_reach(toes: int, place: float) -> float:
+def sole_lump(chain: Chain) -> Lump:
+    """Return the round foot of a leg like a column, which widens to a flat sole."""
+    r, tip = float(chain.radii[-1]), chain.points[-1]
+    top, low = tip + 0.30 * r * UP, tip - 0.62 * r * UP
+    sizes = np.array([0.45, 1.02, 0.98]), np.array([0.38, 1.22, 1.14])
+    axes = np.stack([-UP, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])])
+    return Lump(top, low, r * sizes[0], r * sizes[1], axes, 0.3 * r)
+
+
+def _toe_reach(toes: int, place: float, claws: bool) -> float:
     """Return how far ahead a toe ends, in the radius of its foot, by its place from -1 to 1."""
-    return (TWO_TOES if toes == 2 else 1.0) * (1.05 + 0.45 * (1.0 - 0.30 * place**2))
+    size = 1.0
+    if toes == 2:
+        # Of a hopper, or of a pad as of a camel.
+        size = TWO_TOES if claws else 0.85
+    return size * (1.05 + 0.45 * (1.0 - 0.30 * place**2))
 
 
 def paw_claws(chain: Chain, toes: int, size: float = CLAW_SIZE) -> Iterator[Solid]:
@@ -67,7 +82,7 @@ def paw_claws(chain: Chain, toes: int, size: float = CLAW_SIZE) -> Iterator[Soli
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
         thick = 0.80 / max(toes, 2) ** 0.55
         off = place * (1.15 - 0.55 * thick) * 1.12
-        ahead = _toe_reach(toes, place) + 0.7 * thick
+        ahead = _toe_reach(toes, place, True) + 0.7 * thick
         root = tip + r * (ahead * way - (0.90 - thick) * UP + off * side)
         curve = np.array(
             [

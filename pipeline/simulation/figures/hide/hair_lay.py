@@ -21,7 +21,7 @@ from pipeline.spec.skin import CoatName
 
 COATS: Mapping[CoatName, tuple[float, float]] = {
     "none": (0.0, 0.0),
-    "sleek": (0.06, 14.0),
+    "sleek": (0.05, 7.0),
     "short": (0.16, 19.0),
     "long": (0.28, 25.0),
     "shaggy": (0.45, 30.0),
@@ -123,8 +123,9 @@ class HairLay:
     def _length_along(self, kind: str, along: Array) -> Array:
         """Return the length of the hair along a limb, in that of the back."""
         if kind in (LEG, ARM):
-            # Short on shanks, none on hooves and pads.
-            return np.interp(along, [0.0, 0.35, 0.6, 0.88, 0.95], [1.0, 0.85, 0.5, 0.35, 0.0])
+            # Short on shanks and paws, none on hooves and soles.
+            end = 0.22 if self.coat.stance.figure.feet == "paws" else 0.0
+            return np.interp(along, [0.0, 0.35, 0.6, 0.88, 0.95], [1.0, 0.8, 0.4, 0.28, end])
         if kind == TAIL:
             brush = self.coat.stance.figure.skin.tail in ("brush", "tassel")
             ends = [1.0, BRUSH, BRUSH, 0.6] if brush else [1.0, 0.9, 0.8, 0.5]

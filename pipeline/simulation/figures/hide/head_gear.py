@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.sheets import ear, horn, outward, tube
+from pipeline.simulation.figures.hide.sheets import Paint, ear, horn, outward, painted, tube
 from pipeline.simulation.figures.hide.stance import Chain
+from pipeline.simulation.figures.hide.trunk import spline
 from pipeline.simulation.figures.solids import Solid, loft
-from pipeline.simulation.spatial import Array, normalized
+from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.spec.skin import Skin as SkinConfig
 
 
@@ -21,7 +22,8 @@ def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tupl
     way = head.way(skull.ear_way, side)
     opening = head.way(skull.ear_opening, side)
     width = length * skull.ear_width * config.ear_width / config.ear_length
-    return ear(head.place(skull.ear, side), way, opening, length, width, skull.ear_fold)
+    root = head.place(skull.ear, side)
+    return ear(root, way, opening, length, width, skull.ear_fold, skull.ear_point)
 
 
 MOUTH_WIDTH = 0.065
@@ -32,6 +34,14 @@ WHISKERS = ((0.25, 0.50), (-0.10, 0.25), (-0.30, 0.0), (-0.15, -0.22), (0.15, -0
 
 WHISKER_RADIUS = 0.035
 """Radius of a whisker at its root, in that of the muzzle: thinner ones would sparkle."""
+
+FOLDS, FOLD_POINTS, FOLD_DEPTH = 26, 12, 0.045
+"""Folds around a trunk, vertices around it, and the depth of a fold in its radius."""
+
+FOLD_COLOR = "#2b2622"
+
+STUB = (1.15, 0.90, 0.72, 0.64, 0.62, 0.66, 0.78, 0.84, 0.72, 0.40)
+"""Radius along a stub of horn, in that drawn."""
 
 HORN_CURVES = {
     "straight": ((0.0, 0.0, 0.0), (-0.10, 0.5, 0.06), (-0.22, 1.0, 0.10)),
@@ -58,10 +68,31 @@ def horn_solid(head: Head, chain: Chain, side: float, shape: str) -> Solid:
     curve = root + length * np.array(HORN_CURVES[shape]) @ axes
     radius = float(chain.radii[1:].max())
     if shape == "stub":
-        return horn(curve, 1.15 * radius, 0, 0.0, 0.85)
+        # Broad at its root, with a knob at its end.
+        t = np.linspace(0.0, 1.0, len(STUB))
+        middle = curve[0] + t[:, None] * (curve[-1] - curve[0])
+        return tube(middle, 1.15 * radius * np.array(STUB), 9)
     if shape == "tusks":
         return horn(curve, radius, 0, 0.0)
     return horn(curve, 1.25 * radius, 9, 0.16)
+
+
+def proboscis_solid(chain: Chain) -> tuple[Solid, Paint]:
+    """Return a trunk with folds around it and two nostrils at its end, and its paint."""
+    curve, sizes = spline(chain.points, chain.radii, 12)
+    s, t = np.linspace(0.0, 1.0, len(curve)), np.linspace(0.0, 1.0, 2 * FOLDS + 1)
+    middle = np.stack([np.interp(t, s, curve[:, k]) for k in range(3)], axis=-1)
+    radii = np.interp(t, s, sizes)
+    in_fold = np.where(np.arange(len(t)) % 2 == 1, 1.0, 0.0)
+    # Folds are deepest in the middle; the root is part of the face, the tip a ring of lips.
+    deep = np.interp(t, [0.0, 0.12, 0.3, 0.8, 1.0], [0.0, 0.5, 1.0, 0.9, 0.3]) * in_fold
+    shape = np.interp(t, [0.0, 0.93, 0.97, 1.0], [1.0, 1.0, 1.14, 1.02])
+    solid = tube(middle, radii * shape * (1.0 - FOLD_DEPTH * deep), FOLD_POINTS, 0.92, UP)
+    # The end is hollow.
+    way = normalized(middle[-1] - middle[-2])
+    solid.vertices[-1] = middle[-1] - 0.7 * radii[-1] * way
+    share = np.concatenate([np.repeat(0.35 * deep, FOLD_POINTS), [0.0, 1.0]])
+    return solid, painted(len(solid.vertices), FOLD_COLOR, share)
 
 
 def beak_solid(head: Head) -> Solid:
@@ -98,7 +129,10 @@ def mouth_solid(head: Head) -> Solid | None:
         return None
     sizes = np.full(len(head.mouth), MOUTH_WIDTH * head.radii[1])
     sizes[[0, -1]] *= 0.4
-    return tube(head.mouth, sizes, 5)
+    # Most of it is in the skin, whose mesh is rounder than its lumps.
+    inward = head.mouth.mean(axis=0) - head.mouth
+    inward -= (inward @ head.axes[1])[:, None] * head.axes[1]
+    return tube(head.mouth + 0.55 * sizes[:, None] * normalized(inward), sizes, 5)
 
 
 def whisker_solids(head: Head) -> Iterator[Solid]:

@@ -14,7 +14,6 @@ from pipeline.simulation.figures.hide.trunk import (
     FORWARD,
     LEG_DEPTH,
     LEG_WIDTH,
-    POINT_OF_JOINT,
     SPLINE_STEPS,
     spline,
 )
@@ -29,11 +28,16 @@ AROUND = 12
 LINK_RINGS = 9
 """Rings of a link."""
 
-KNOB, WAIST = 1.08, 0.84
-"""Radius at a joint and halfway to the next, in that drawn."""
+KNOBS = {"hooves": 1.12, "plain": 0.98}
+"""Radius at a joint, in that drawn, by the feet."""
 
-BONE_OUT = 0.45
-"""How far the bone of a bent joint stands out, in the radius there."""
+WAISTS = {"hooves": 0.70, "plain": 0.94}
+"""Radius halfway to the next joint, in that drawn, by the feet: cannons are thin, columns not."""
+
+USUAL_KNOB, USUAL_WAIST = 1.04, 0.82
+
+BONE_OUT, FETLOCK_OUT = 0.60, 0.14
+"""How far the bone of a bent joint stands out, and the tuft of a fetlock, in the radius there."""
 
 
 def tail_solid(points: Array, radii: Array, start: float) -> Solid:
@@ -52,14 +56,16 @@ def tail_solid(points: Array, radii: Array, start: float) -> Solid:
     return tube(curve, sizes, AROUND)
 
 
-def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
+def shank_solid(chain: Chain, start: int, girths: Array, feet: str) -> Solid:
     """Return the shank of a limb, from the middle of the link before `start` to its tip.
 
     Args:
         chain: the limb as it stands.
         start: its first link, at least 1.
         girths: (n + 1, 2) width and depth at the nodes, in the drawn radii.
+        feet: word of the figure for them.
     """
+    waist, knob = WAISTS.get(feet, USUAL_WAIST), KNOBS.get(feet, USUAL_KNOB)
     points, radii = chain.points[start - 1 :], chain.radii[start - 1 :]
     places, sizes = [], []
     n = len(points) - 1
@@ -68,8 +74,10 @@ def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
         t = t if i == n - 1 else t[:-1]
         r = radii[i] + (radii[i + 1] - radii[i]) * t
         # Knobs at both ends of a bone; muscles taper into the first joint.
-        bone = WAIST + (KNOB - WAIST) * np.abs(2.0 * t - 1.0) ** 2.4
-        shape = np.interp(t, [0.45, 0.7, 1.0], [0.70, 0.92, KNOB]) if i == 0 else bone
+        bone = waist + (knob - waist) * np.abs(2.0 * t - 1.0) ** 3.0
+        above = above_shank(feet)
+        sheath = [0.60 * above, 0.98 * above, above, knob]
+        shape = np.interp(t, [0.45, 0.74, 0.86, 1.0], sheath) if i == 0 else bone
         places.append(points[i] + t[:, None] * (points[i + 1] - points[i]))
         wide = girths[start - 1 + i] + (girths[start + i] - girths[start - 1 + i]) * t[:, None]
         sizes.append((r * shape)[:, None] * wide)
@@ -89,24 +97,31 @@ def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
     for i in range(start, len(chain.points) - 1):
         bend = chain.ways[i - 1] - chain.ways[i]
         sharp = float(np.linalg.norm(bend))
-        if sharp < 0.25 or (i == len(chain.points) - 2 and i > start):
+        if sharp < 0.25:
             continue
+        is_fetlock = i == len(chain.points) - 2 and i > start
         # The point of a hock or an elbow: what looks outward moves outward.
         out, r = bend / sharp, float(chain.radii[i])
         top = chain.points[i] - 0.45 * r * chain.ways[i - 1]
         away = np.linalg.norm(rings - top - 0.5 * r * out, axis=-1) / (1.5 * r)
         looks = np.clip((ring * out).sum(axis=-1) / np.linalg.norm(ring, axis=-1), 0.0, 1.0)
-        push = BONE_OUT * POINT_OF_JOINT * 2.0 * min(sharp, 1.0) * r
+        push = (FETLOCK_OUT if is_fetlock else BONE_OUT) * min(sharp, 1.0) * r
         rings = rings + (push * looks**2 * np.exp(-(away**2) * 1.5))[..., None] * out
     ends = np.stack([middle[0], middle[-1] + 0.6 * wide[-1] * ways[-1]])
     return outward(loft(rings, ends))
+
+
+def above_shank(feet: str) -> float:
+    """Return the radius of a limb above the first joint of its shank, in that drawn."""
+    return 0.5 + 0.5 * WAISTS.get(feet, USUAL_WAIST)
 
 
 def ankle_lump(chain: Chain) -> Lump:
     """Return the end of a shank, from which its foot grows."""
     a = chain.points[-1] - 0.35 * chain.spans[-1]
     r = float(chain.radii[-1])
-    return cone(a, chain.points[-1], (0.8 * r, 0.7 * r), (0.95 * r, 0.85 * r), 0.3 * r, FORWARD)
+    # It comes out of the shank at a flat angle, so that no collar is seen.
+    return cone(a, chain.points[-1], (0.5 * r, 0.45 * r), (0.98 * r, 0.88 * r), 0.3 * r, FORWARD)
 
 
 def first_shank(limb: Limb) -> int:

@@ -10,7 +10,7 @@ from pipeline.simulation.spatial import Array, cross, normalized
 Paint = Array
 """(V, 4) linear colour and its share."""
 
-EAR_RINGS, EAR_POINTS = 9, 6
+EAR_RINGS, EAR_POINTS = 11, 7
 HORN_RINGS, HORN_POINTS = 24, 7
 
 
@@ -45,7 +45,13 @@ def outward(solid: Solid) -> Solid:
 
 
 def ear(
-    root: Array, way: Array, opening: Array, length: float, width: float, fold: float = 0.55
+    root: Array,
+    way: Array,
+    opening: Array,
+    length: float,
+    width: float,
+    fold: float = 0.55,
+    pointed: float = 0.0,
 ) -> tuple[Solid, Array]:
     """Return a cupped leaf, and the share of its inner side at each vertex.
 
@@ -56,6 +62,7 @@ def ear(
         length: from root to tip [m].
         width: at its widest [m].
         fold: depth of the cup, in half of the width.
+        pointed: 0 for a leaf, 1 for a triangle.
     """
     front = normalized(opening - float((opening * way).sum()) * way)
     across = cross(way, front)
@@ -63,6 +70,7 @@ def ear(
     t = np.clip(s, 0.0, 1.0)
     half = 0.5 * width * (0.42 + 0.58 * np.sin(np.pi * np.minimum(t, 0.75) ** 0.8))
     half *= np.sqrt(np.clip(1.0 - t**3.2, 0.0, 1.0)) + 0.03
+    half += pointed * (0.5 * width * (0.03 + 0.97 * (1.0 - t) ** 0.85) - half)
     u = np.linspace(-1.0, 1.0, EAR_POINTS)
     thick = 0.10 * width * (1.0 - 0.6 * t)
     # Rolled into a tube at its root.

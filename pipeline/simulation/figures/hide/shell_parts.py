@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,29 +18,62 @@ AROUND = 8
 HIP_DROP = 0.20
 """How far below its joint a beetle's leg leaves the body, in the length of its thigh."""
 
+KNEE_DROP = 0.32
+"""How much lower a beetle's knee is than its joint, in the height of that above the hip."""
+
 JOINT_COLOR = "#120b07"
+
+CLAW_RINGS = 15
+"""Rings of a finger of a claw."""
 
 FEET = 5
 """Segments of the last link of a leg, its tarsus."""
 
 
-def leg_segment(chain: Chain, i: int, detail: float) -> Solid:
+@dataclass(frozen=True)
+class LegStyle:
+    """How the legs of a kind of arthropod differ.
+
+    Attributes:
+        thick: factor on the drawn radius.
+        flat: width across the upright, in the height.
+        jointed: whether the last link has the segments of a foot.
+    """
+
+    thick: float = 1.0
+    flat: float = 1.0
+    jointed: bool = True
+
+
+LEG_STYLES = {
+    "crab": LegStyle(1.1, 0.62, jointed=False),
+    "centipede": LegStyle(1.15, 0.8, jointed=False),
+    "scorpion": LegStyle(1.1, 0.75),
+}
+"""By the kind of shell; others have round legs as drawn."""
+
+
+def leg_segment(chain: Chain, i: int, detail: float, style: LegStyle = LegStyle()) -> Solid:
     """Return one link of a leg, slender at its joints; the last one has the segments of a foot.
 
     Args:
         chain: the leg as it stands.
         i: number of the link.
         detail: share of the usual vertices along and around it.
+        style: of the legs of its kind.
     """
     a, b = chain.points[i], chain.points[i + 1]
-    r_a, r_b = float(chain.radii[i]), float(chain.radii[i + 1])
+    r_a, r_b = style.thick * float(chain.radii[i]), style.thick * float(chain.radii[i + 1])
     if i == 0:
         # The base of a leg is no thicker than its knee, though its hip may be.
         r_a = min(r_a, 1.35 * r_b)
     is_foot = i == len(chain.ways) - 1 and i > 0
     t = np.linspace(0.0, 1.0, round(detail * (14 if is_foot else 9)))
     radii = r_a + (r_b - r_a) * t
-    if is_foot:
+    if is_foot and not style.jointed:
+        # A blade that bends and ends in a point.
+        shape = np.interp(t, [0.0, 0.10, 0.3, 0.7, 1.0], [0.66, 1.0, 1.05, 0.85, 0.4])
+    elif is_foot:
         shape = 0.95 - 0.22 * np.cos(2.0 * np.pi * FEET * np.clip((t - 0.35) / 0.65, 0.0, 1.0))
         shape = np.where(t < 0.35, np.interp(t, [0.0, 0.12, 0.35], [0.55, 0.95, 0.74]), shape)
     else:
@@ -48,9 +82,13 @@ def leg_segment(chain: Chain, i: int, detail: float) -> Solid:
         shape = np.interp(t, [0.0, 0.10, top, 0.92, 1.0], [0.60, 0.84, 1.28, 0.96, 0.70])
     middle = a + t[:, None] * (b - a)
     # Shells of legs are a little bowed.
-    bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t) * (0.0 if is_foot else 1.0)
-    middle = middle + bow[:, None] * UP * (1.0 - abs(chain.ways[i][1]))
-    return tube(middle, radii * shape, max(round(detail * AROUND), 6))
+    bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t)
+    bow *= 0.0 if is_foot and style.jointed else 1.0
+    outward = normalized(
+        UP * (1.0 - abs(chain.ways[i][1])) + 0.4 * (b - chain.points[0]) * [1, 0, 1]
+    )
+    middle = middle + bow[:, None] * outward
+    return tube(middle, radii * shape, max(round(detail * AROUND), 6), style.flat, UP)
 
 
 def beetle_leg(chain: Chain, i: int) -> list[Solid]:
@@ -59,6 +97,7 @@ def beetle_leg(chain: Chain, i: int) -> list[Solid]:
     A thigh leaves the body from below, around the edge of the wing cases. A shin widens towards two
     spurs, between rows of spines, and each segment of a foot does so too.
     """
+    chain = _crouched(chain)
     a, b, r = chain.points[i], chain.points[i + 1], float(chain.radii[i + 1])
     side = normalized(cross(chain.ways[i], UP))
     if i == 0:
@@ -86,6 +125,13 @@ def beetle_leg(chain: Chain, i: int) -> list[Solid]:
     size = float(chain.radii[i])
     shape = size * (0.50 + 0.52 * place) * (1.0 - 0.35 * t)
     return [tube(a + t[:, None] * chain.spans[i], shape, 7, 0.8, UP)]
+
+
+def _crouched(chain: Chain) -> Chain:
+    """Return a leg whose knee rises less over its hip: thighs lie beside the wing cases."""
+    points = chain.points.copy()
+    points[1, 1] -= KNEE_DROP * max(points[1, 1] - points[0, 1], 0.0)
+    return replace(chain, points=points)
 
 
 def _spines(chain: Chain, i: int, side: Array, r: float) -> Iterator[Solid]:
@@ -151,22 +197,31 @@ def claw_solids(chain: Chain, sign: float) -> list[Solid]:
     r, way = float(chain.radii[-2]), chain.ways[-1]
     side = normalized(cross(way, UP)) * sign
     length = float(chain.lengths[-1])
-    t = np.linspace(0.0, 1.0, 12)
+    t = np.linspace(0.0, 1.0, 14)
     back = palm - 1.25 * r * way
-    line = back + t[:, None] * (0.95 * r + 0.45 * length) * way
-    shape = np.interp(t, [0.0, 0.10, 0.45, 0.80, 1.0], [0.34, 0.66, 1.10, 0.92, 0.50])
-    solids = [tube(line, r * shape, 14, 0.74, side)]
+    line = back + t[:, None] * (1.10 * r + 0.30 * length) * way
+    shape = np.interp(t, [0.0, 0.07, 0.22, 0.55, 0.85, 1.0], [0.30, 0.52, 0.92, 1.16, 1.02, 0.55])
+    solids = [tube(line, r * shape, 14, 0.66, side)]
     for inner in (-1.0, 1.0):
-        # The outer finger is the thicker one; both curve so that their tips meet.
-        thick = 0.50 if inner > 0 else 0.40
-        root = palm + 0.10 * length * way + 0.42 * r * inner * side
-        bow = palm + 0.58 * length * way + 0.62 * r * inner * side
-        end = tip + 0.06 * r * inner * side
-        s = np.linspace(0.0, 1.0, 11)[:, None]
+        # The fixed finger goes on from the palm; the other is hinged, and stands open.
+        thick, out = (0.52, 0.50) if inner > 0 else (0.40, 0.86)
+        root = palm + 0.02 * length * way + 0.48 * r * inner * side
+        bow = palm + 0.55 * length * way + (out + 0.62) * r * inner * side
+        end = tip + (0.10 if inner > 0 else 0.55) * r * inner * side
+        s = np.linspace(0.0, 1.0, CLAW_RINGS)[:, None]
         curve = (1 - s) ** 2 * root + 2 * s * (1 - s) * bow + s**2 * end
-        sizes = r * thick * np.interp(s[:, 0], [0.0, 0.25, 0.8, 1.0], [0.85, 1.0, 0.55, 0.10])
-        teeth = 1.0 + 0.10 * np.sin(np.arange(11) * 2.6)
-        solids.append(tube(curve, sizes * teeth, 9))
+        sizes = (
+            r * thick * np.interp(s[:, 0], [0.0, 0.2, 0.7, 0.93, 1.0], [0.8, 1.0, 0.62, 0.3, 0.06])
+        )
+        finger = tube(curve, sizes, 9)
+        # Teeth stand along the edges that meet.
+        rings = finger.vertices[:-2].reshape(CLAW_RINGS, 9, 3)
+        edge = np.clip(
+            ((rings - curve[:, None]) * side).sum(axis=-1) * -inner / sizes[:, None], 0, 1
+        )
+        tooth = 0.34 * np.clip(np.sin(np.arange(CLAW_RINGS) * 2.2), 0.0, 1.0) * (s[:, 0] > 0.25)
+        rings -= (inner * edge**3 * (tooth * sizes)[:, None])[..., None] * side
+        solids.append(finger)
     return solids
 
 

@@ -5,6 +5,7 @@ Plates meet in creases: their lumps are joined with hardly any blend.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -12,10 +13,14 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
+from pipeline.simulation.figures.hide.sheets import Paint, outward, painted
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.simulation.figures.hide.wing_cases import ShellPlan
 from pipeline.simulation.figures.network import HEAD, TAIL
+from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array
+
+SHIELD_EDGE = "#1c0a06"
 
 CREASE = 0.10
 """Width of the union of two plates, in their radius."""
@@ -215,10 +220,7 @@ def _rings(axis: Axis, between: int) -> Iterator[Lump]:
     """Yield overlapping plates along the body, each a little wider at its rear."""
     line = [*zip(axis.body, axis.radii, strict=True)]
     if between == 1:
-        for at, radius in line:
-            r = float(radius)
-            yield _plate(at, (0.92 * r, 0.66 * r, 1.16 * r), 0.05)
-            yield _plate(at - [0.35 * r, -0.03 * r, 0.0], (0.55 * r, 0.66 * r, 1.20 * r), 0.1)
+        yield from _core(axis)
     else:
         front, r_f = line[0]
         yield _plate(front, (1.1 * float(r_f), 0.62 * float(r_f), 1.12 * float(r_f)), 0.1)
@@ -235,6 +237,62 @@ def _rings(axis: Axis, between: int) -> Iterator[Lump]:
             yield _plate(at, (0.72 * step, 0.60 * r, 1.10 * r), 0.06)
 
 
+def segment_line(axis: Axis) -> list[tuple[Array, float]]:
+    """Return place and radius of the shields of a body in rings, that of the jaws first."""
+    line = [(at, float(r)) for at, r in zip(axis.body, axis.radii, strict=True)]
+    if len(axis.head) > 1:
+        front, r = line[0]
+        line.insert(0, (front + 0.55 * (axis.head[-1] - front), 0.82 * r))
+    return line
+
+
+def _core(axis: Axis) -> Iterator[Lump]:
+    """Yield what is below the shields of a body in rings."""
+    for (a, r_a), (b, r_b) in itertools.pairwise(segment_line(axis)):
+        low = np.array([0.0, -0.12, 0.0])
+        ends = (0.46 * r_a, 0.86 * r_a), (0.46 * r_b, 0.86 * r_b)
+        yield cone(a + low * r_a, b + low * r_b, *ends, 0.0)
+
+
+def shields(stance: Stance) -> Iterator[tuple[Solid, Paint]]:
+    """Yield the shields on the back of a centipede, whose rear edges lie over the next."""
+    line = segment_line(Axis.of(stance))
+    for k, (at, r) in enumerate(line):
+        behind = line[k + 1][0] if k + 1 < len(line) else at + (at - line[k - 1][0])
+        before = line[k - 1][0] if k else at - (behind - at)
+        # Neighbours are of unequal length, as those of centipedes are.
+        share = 0.57 if k % 2 else 0.46
+        yield _shield(at, r, at + share * (before - at), at + (share + 0.06) * (behind - at))
+
+
+def _shield(at: Array, r: float, front: Array, rear: Array) -> tuple[Solid, Paint]:
+    """Return one shield from front to rear, and its paint."""
+    t = np.array([0.0, 0.06, 0.25, 0.6, 0.88, 0.97, 1.0])
+    wide = r * np.array([0.80, 0.98, 1.08, 1.18, 1.24, 1.22, 1.08])
+    high = r * np.array([0.40, 0.52, 0.58, 0.62, 0.66, 0.64, 0.50])
+    angle = np.arange(14) * (2.0 * np.pi / 14)
+    up, side = np.sin(angle), np.cos(angle)
+    # Flat on top, with a keel at each side, and flat below.
+    rise = np.where(up > 0.0, np.abs(up) ** 0.7, -0.35 * np.abs(up))
+    out = np.sign(side) * np.abs(side) ** 0.75
+    x = front[0] + t * (rear[0] - front[0])
+    rings = np.stack(
+        [
+            np.broadcast_to(x[:, None], (len(t), 14)),
+            at[1] - 0.05 * r + high[:, None] * rise,
+            wide[:, None] * out,
+        ],
+        axis=-1,
+    )
+    solid = outward(loft(rings, rings.mean(axis=1)[[0, -1]]))
+    dark = np.concatenate([np.repeat([0.7, 0.5, 0.1, 0.0, 0.1, 0.6, 0.8], 14), [0.7, 0.8]])
+    return solid, painted(len(solid.vertices), SHIELD_EDGE, dark)
+
+
+CRAB_BUMPS = ((0.42, 0.0, 0.20), (0.30, 0.52, 0.26), (-0.12, 0.0, 0.26), (-0.18, 0.70, 0.28))
+"""Bumps on a carapace: place ahead and to the side, and radius, in that of the body."""
+
+
 def _crab(axis: Axis) -> Iterator[Lump]:
     """Yield a broad carapace with teeth along its front edge."""
     middle = axis.body.mean(axis=0)
@@ -244,6 +302,11 @@ def _crab(axis: Axis) -> Iterator[Lump]:
         middle + np.array([0.10 * r, -0.10 * r, 0.0]), (0.95 * r, 0.40 * r, 1.36 * r), 0.05
     )
     yield _plate(middle + np.array([-0.45 * r, 0.05 * r, 0.0]), (0.62 * r, 0.46 * r, 0.95 * r), 0.6)
+    for x, z, size in CRAB_BUMPS:
+        for side in (-1.0, 1.0) if z else (1.0,):
+            high = 0.58 * float(np.sqrt(max(1.0 - (x / 1.06) ** 2 - (z / 1.42) ** 2, 0.05)))
+            at = middle + r * np.array([0.08 + x, high, side * z])
+            yield ball(at, (size * r, 0.10 * r, 1.25 * size * r), 0.10 * r)
     for side in (-1.0, 1.0):
         for k in range(5):
             angle = np.radians(24.0 + 13.5 * k)

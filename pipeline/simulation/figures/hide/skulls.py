@@ -37,6 +37,7 @@ class Skull:
         ear_opening: direction to which it is open.
         ear_length, ear_width: length of the ear in that drawn; width in its length.
         ear_fold: depth of the cup of an ear, in half of its width.
+        ear_point: 0 for ears like leaves, 1 for triangles.
         horn: place of the root of the right horn.
         nose: place, radii and sRGB colour of a bare nose; None without.
         mouth: heights of the mouth line at its corner and its front; None without.
@@ -51,7 +52,7 @@ class Skull:
     eye_size: float = 0.2
     look: tuple[float, float, float] = (0.25, 0.15, 1.0)
     pupil: str = "bar"
-    iris: str = "#6e431c"
+    iris: str = "#452710"
     holes: tuple[Hole, ...] = ()
     ear: tuple[float, float, float] = (0.02, 0.75, 0.5)
     ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)
@@ -59,6 +60,7 @@ class Skull:
     ear_length: float = 1.0
     ear_width: float = 0.38
     ear_fold: float = 0.55
+    ear_point: float = 0.0
     horn: tuple[float, float, float] = (0.12, 0.75, 0.35)
     nose: tuple[tuple[float, float, float], tuple[float, float, float], str] | None = None
     mouth: tuple[float, float, float, float] | None = None
@@ -105,7 +107,8 @@ SKULLS: Mapping[str, Skull] = {
         ear=(0.03, 0.72, 0.38),
         ear_way=(-0.05, 1.0, 0.16),
         ear_length=1.0,
-        ear_width=0.34,
+        ear_width=0.36,
+        ear_point=0.3,
         mouth=(0.80, -0.72, 1.3, -0.60),
     ),
     "deer": _DEER,
@@ -158,7 +161,7 @@ SKULLS: Mapping[str, Skull] = {
             ((0.40, 0.48, 0.40), (0.46, 0.44, 0.36), (0.26, 0.26), (0.22, 0.22)),
         ),
         eye=(0.44, 0.34, 0.50),
-        eye_size=0.29,
+        eye_size=0.235,
         look=(1.0, 0.15, 0.72),
         pupil="round",
         iris="#8a5420",
@@ -166,6 +169,7 @@ SKULLS: Mapping[str, Skull] = {
         ear_way=(-0.1, 1.0, 0.35),
         ear_length=1.1,
         ear_width=0.62,
+        ear_point=0.6,
         nose=((1.10, 0.30, 0.0), (0.42, 0.44, 0.54), "#141011"),
         mouth=(0.52, -0.42, 1.2, -0.46),
         muzzle_from=0.5,
@@ -186,7 +190,8 @@ SKULLS: Mapping[str, Skull] = {
         ear=(0.16, 0.78, 0.58),
         ear_way=(0.05, 1.0, 0.36),
         ear_length=1.15,
-        ear_width=0.86,
+        ear_width=0.92,
+        ear_point=0.85,
         nose=((1.12, 0.10, 0.0), (0.28, 0.22, 0.30), "#a85a54"),
         whiskers=0.9,
         mouth=(0.72, -0.62, 1.2, -0.52),
@@ -207,7 +212,7 @@ SKULLS: Mapping[str, Skull] = {
         ear_way=(-0.15, 0.9, 0.62),
         ear_length=1.3,
         ear_width=1.0,
-        nose=((1.10, 0.10, 0.0), (0.50, 0.52, 0.55), "#c97f78"),
+        nose=((1.16, 0.12, 0.0), (0.36, 0.36, 0.40), "#b8706a"),
         whiskers=0.7,
         mouth=(0.78, -0.70, 1.2, -0.60),
     ),
@@ -225,11 +230,11 @@ SKULLS: Mapping[str, Skull] = {
         iris="#8a5f2a",
         horn=(0.72, -0.40, 0.50),
         ear=(0.22, 0.02, 0.66),
-        ear_way=(-0.20, -0.60, 0.78),
-        ear_opening=(0.50, 0.60, 0.55),
+        ear_way=(-0.10, -0.45, 0.85),
+        ear_opening=(0.75, 0.62, 0.30),
         ear_length=1.0,
         ear_width=1.15,
-        ear_fold=0.14,
+        ear_fold=0.05,
         lids=0.6,
     ),
     "frog": Skull(
@@ -270,13 +275,13 @@ SKULLS: Mapping[str, Skull] = {
             ((-0.10, 0.0, 0), (0.25, 0.02, 0), (0.92, 0.86), (0.80, 0.78)),
             ((0.20, -0.05, 0), (0.42, -0.05, 0), (0.72, 0.72), (0.60, 0.62)),
         ),
-        eye=(0.14, 0.20, 0.66),
-        eye_size=0.30,
+        eye=(0.24, 0.26, 0.66),
+        eye_size=0.36,
         look=(0.25, 0.08, 1.0),
         pupil="round",
         iris="#2c1a0c",
         muzzle_from=2.0,
-        lids=0.35,
+        lids=0.2,
     ),
 }
 """Skulls by name."""

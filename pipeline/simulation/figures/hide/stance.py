@@ -34,6 +34,15 @@ JOINT_WIDTH = 1.3
 MAX_JOINT_WIDTH = 0.42
 """The same at most, in the length of the shorter link."""
 
+STRAIGHTENED = 0.6
+"""How far the flesh of a foreleg goes from its bones to a straight line between hip and fetlock.
+
+Limbs are drawn bent, so that they fold the right way; forelegs and columns stand straight.
+"""
+
+SPRAWL = 0.75
+"""How much lower the elbow of a short spread leg is than its joint, in the rise of that."""
+
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -154,7 +163,34 @@ class Stance:
         points = [self.placed(limb.links[0], links[0].ends[0])]
         points += [self.placed(i, link.ends[1]) for i, link in zip(limb.links, links, strict=True)]
         radii = self.figure.drawing.radii[list(nodes)] * self.figure.scale
-        return Chain(limb, np.array(points), radii)
+        placed = np.array(points)
+        if limb in self.straight_legs and len(placed) > 3:
+            placed = _straightened(placed)
+        elif self._sprawls(limb):
+            rise = max(float(placed[1, 1] - placed[0, 1]), 0.0)
+            placed[1, 1] -= SPRAWL * rise
+        return Chain(limb, placed, radii)
+
+    def _sprawls(self, limb: Limb) -> bool:
+        """Return whether a limb is a short spread leg of an animal, as of a lizard."""
+        figure = self.figure
+        is_spread = figure.style != "mammal" and figure.skin.shell == "plain"
+        return is_spread and limb in figure.skeleton.legs and len(limb.links) == 2
+
+    @cached_property
+    def straight_legs(self) -> tuple[Limb, ...]:
+        """The front pair of a mammal on four legs; all of them where they are columns."""
+        skeleton = self.figure.skeleton
+        if self.figure.style != "mammal" or len(skeleton.legs) < 4:
+            return ()
+        if self.figure.feet == "plain":
+            return tuple(skeleton.legs)
+        ahead = [
+            float(self.placed(leg.links[0], skeleton.links[leg.links[0]].ends[0])[0])
+            for leg in skeleton.legs
+        ]
+        middle = float(np.median(ahead))
+        return tuple(leg for leg, x in zip(skeleton.legs, ahead, strict=True) if x >= middle)
 
     def placed(self, link: int, points: Array) -> Array:
         """Return points (..., 3) of the creation frame as they stand on a link [m]."""
@@ -186,7 +222,10 @@ class Stance:
             width = ROOT_WIDTH * float(chain.radii[:2].mean())
             off = smoothstep(0.5 + 0.5 * (body[mine] - own[mine]) / width)
             if len(chains) > 1:
-                off *= smoothstep((other[mine] - own[mine]) / (0.5 * width))
+                # Less far from the body: feet side by side follow their own legs.
+                clear = smoothstep((body[mine] - own[mine]) / width - 0.5)
+                between = (0.5 - 0.26 * clear) * width
+                off *= smoothstep((other[mine] - own[mine]) / between)
             at = off * chain.coordinates(places[mine], distances[:, mine])
             numbers = np.array([0, *chain.limb.links])
             lower = np.clip(np.floor(at).astype(int), 0, len(numbers) - 2)
@@ -228,6 +267,17 @@ class Stance:
         share = np.zeros(len(links))
         return Skin(self.unposed(solid.vertices, links, share), solid.faces, links, share, paint)
 
+    def chained(self, solid: Solid, chain: Chain, root: int, paint: Array | None = None) -> Skin:
+        """Return a surface along a chain that grows from link `root`, in the creation frame."""
+        places = solid.vertices
+        at = chain.coordinates(places, chain.distances(places))
+        along = ((places - chain.points[0]) * chain.ways[0]).sum(axis=-1)
+        at -= 1.0 - smoothstep(along / (0.5 * float(chain.lengths[0])))
+        numbers = np.array([root, *chain.limb.links])
+        lower = np.clip(np.floor(at).astype(int), 0, len(numbers) - 2)
+        links, share = np.stack([numbers[lower], numbers[lower + 1]], axis=-1), at - lower
+        return Skin(self.unposed(places, links, share), solid.faces, links, share, paint)
+
     def unposed(self, places: Array, links: NDArray[np.int64], share: Array) -> Array:
         """Return places (N, 3) as they stand in the creation frame [m]."""
         turns, shifts = self._motions
@@ -246,6 +296,18 @@ class Stance:
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
         here = _turned(real * _CONJUGATE, places - moved)
         return _turned(q[a] * _CONJUGATE, here - shifts[a])
+
+
+def _straightened(points: Array) -> Array:
+    """Return the nodes (n, 3) of a foreleg with its inner joints but the last nearer to a line."""
+    result = points.copy()
+    last = len(points) - (2 if len(points) > 4 else 1)
+    a, b = points[0], points[last]
+    for k in range(1, last):
+        t = (points[k, 1] - a[1]) / min(b[1] - a[1], -1e-9)
+        on_line = a + t * (b - a)
+        result[k] += STRAIGHTENED * (on_line - points[k])
+    return result
 
 
 def _product(a: Array, b: Array) -> Array:

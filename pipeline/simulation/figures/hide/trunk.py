@@ -29,6 +29,9 @@ SPLINE_STEPS = 4
 NARROW_SHANK = -0.16
 """Waist of the links below knee and hock, as a fraction of their radius."""
 
+SHEATHED = 0.76
+"""Where on the link above a shank the flesh ends, in its length."""
+
 POINT_OF_JOINT = 0.50
 """Distance by which the bone of a bent joint stands out, in the radius there."""
 
@@ -59,7 +62,9 @@ def _girth(figure: Figure, node: int) -> tuple[float, float, float]:
     return float(width), float(height), float(lift)
 
 
-def leg_lumps(chain: Chain, start: int, end: int, girths: Array) -> Iterator[Lump]:
+def leg_lumps(
+    chain: Chain, start: int, end: int, girths: Array, sheathed: float | None = None
+) -> Iterator[Lump]:
     """Yield the flesh of some links of a leg or an arm.
 
     Args:
@@ -67,6 +72,7 @@ def leg_lumps(chain: Chain, start: int, end: int, girths: Array) -> Iterator[Lum
         start: the first of the links, counted from 0.
         end: the link after the last.
         girths: (n + 1, 2) width and depth at the nodes, in the drawn radii.
+        sheathed: radius of the shank in which they end, in that drawn; None without one.
     """
     points, radii, ways = chain.points, chain.radii, chain.ways
     for i in range(start, end):
@@ -74,6 +80,9 @@ def leg_lumps(chain: Chain, start: int, end: int, girths: Array) -> Iterator[Lum
         upper = i < max(len(ways) - 2, 1)
         if i == 0:
             r_a = min(r_a, 1.9 * r_b)
+        if sheathed is not None and i == end - 1:
+            # Its end is coarse: it would come out of the shank in steps.
+            b, r_b = a + SHEATHED * (b - a), 0.96 * sheathed * (r_a + SHEATHED * (r_b - r_a))
         blend = (UPPER_BLEND if upper else LOWER_BLEND) * max(r_a, r_b)
         deep = LEG_DEPTH + (0.10 if i == 0 else 0.0)
         # The second of three links is a forearm.

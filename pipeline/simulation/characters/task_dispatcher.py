@@ -11,19 +11,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
-from pipeline.simulation.characters.contact_tasks import (
-    STEP_BACK,
-    Grab,
-    Grapple,
-    Hug,
-    LoosenHug,
-    Reach,
-)
+from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
+from pipeline.simulation.characters.hug_tasks import STEP_BACK, Hug, LoosenHug
 from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
@@ -47,6 +41,7 @@ from pipeline.simulation.characters.pursuit_tasks import (
 )
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
+from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders

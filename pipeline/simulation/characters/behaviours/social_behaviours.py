@@ -15,15 +15,15 @@ from pipeline.simulation.characters.behaviours.registry import (
     ConfiguredBehaviour,
     implements,
 )
-from pipeline.simulation.characters.contact_tasks import (
+from pipeline.simulation.characters.hug_tasks import (
     HUG,
     OPEN_TIME,
-    Grapple,
     Hug,
     LoosenHug,
     ReturnHug,
 )
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Attachment, Comfort, Fight
 

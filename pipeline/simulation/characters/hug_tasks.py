@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import PATIENCE
 from pipeline.simulation.characters.encounter import Encounter, closing_pace
 from pipeline.simulation.characters.person_controller import PersonController
@@ -22,6 +23,7 @@ from pipeline.simulation.characters.person_record import (
 from pipeline.simulation.characters.person_tasks import (
     Approach,
     Task,
+    place_text,
     shoulder_height,
 )
 from pipeline.simulation.spatial import Array
@@ -55,6 +57,10 @@ OPEN_TIME = 0.7  # of the arms after a hug [s]
 HUG_REACHED = 0.06  # from touching, within which arms close [m]
 LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
 HUG_DEPTH = 0.02  # by which two press against each other [m]
+HUG_HELD = 0.08  # from touching, within which two are together [m]
+HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
+TURNING_ROOM = 0.4  # from touching, left to a partner that turns, in arm lengths
+WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
 
 
@@ -70,6 +76,10 @@ class Hug(Task):
         is_gentle: whether the last steps are slow.
         is_near: whether the person has opened its arms.
         is_answered: whether the partner has accepted or declined.
+        is_turning: whether the partner is still turning to the person, which needs room.
+        meeting: (2,) where the partner is walking to, which is kept clear until it is there [m];
+            None for a partner that does not walk.
+        apart: time for which the arms are closed and the two are not together [s].
         approach: to the partner.
     """
 
@@ -80,17 +90,27 @@ class Hug(Task):
     is_gentle: bool = True
     is_near: bool = False
     is_answered: bool = False
+    is_turning: bool = False
+    meeting: Array | None = None
+    apart: float = 0.0
     approach: Approach = field(default_factory=Approach)
+
+    def closeness(self, controller: PersonController) -> float:
+        """Return the distance between the two pelvises at which the bodies touch [m]."""
+        return HUG.chest_radius * (float(controller.record.height) + self.size)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        person = controller.record
         partner = controller.view.pelvis(self.owner)
-        closeness = HUG.chest_radius * (person.height + self.size)
+        closeness = self.closeness(controller)
         distance = controller.ground_distance(partner)
+        if self.touched == 0.0 and self.meeting is not None:
+            self._keep_clear(controller, self.meeting, closeness, dt)
+            return False
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
             share = self.encounter.share_of_way(controller, partner, closeness, dt)
-            stop = closeness - HUG_DEPTH + share
+            room = TURNING_ROOM * controller.arm if self.is_turning else -HUG_DEPTH
+            stop = closeness + max(room, share - HUG_DEPTH)
             reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
             self.stick(reason, self.approach)
             if self.is_gentle:
@@ -109,14 +129,46 @@ class Hug(Task):
             self.is_lost, self.touched = self.touched > PATIENCE, 0.0
             controller.part_hands()
             return self.is_lost
+        is_done = self.touched > PATIENCE
         self.touched += dt
         self._bow(controller)
         self._close_arms(controller, partner)
         if self.touched > HUG.closing_time:
             gap = math.dist(controller.hand(0), controller.hand(1))
-            if gap < HUG.hands_joined * person.height:
+            if gap < HUG.hands_joined * float(controller.record.height):
                 controller.join_hands()
+        if not is_done and distance > closeness + HUG_HELD:
+            self._draw_near(controller, partner, dt)
+            self.touched = min(self.touched, PATIENCE)
         return self.touched > PATIENCE
+
+    def _draw_near(self, controller: PersonController, partner: Array, dt: float) -> None:
+        """Step up to a partner that the closed arms have not got hold of; give up in the end."""
+        closeness = self.closeness(controller)
+        self.most_pace = closing_pace(controller, 0.0)
+        controller.go(partner[0], partner[2], closeness - HUG_DEPTH, self.owner)
+        self.apart += dt
+        if self.apart > HUG_PATIENCE:
+            gap = controller.ground_distance(partner) - closeness
+            self.stick(f"stays {gap:.2f} m away at {place_text(controller)}")
+
+    def _keep_clear(
+        self, controller: PersonController, meeting: Array, closeness: float, dt: float
+    ) -> None:
+        """Wait beside the place (2,) to which the partner walks [m]."""
+        person = controller.record
+        room = closeness + WAITING_ROOM * controller.arm
+        place = np.array([meeting[0], 0.0, meeting[1]])
+        left = controller.ground_distance(place)
+        self.most_pace = math.inf
+        if left > 0.85 * room:
+            self.approach.walk_to(controller, place, room, NOBODY, dt)
+            return
+        # Off the place, with the eyes on the partner.
+        way = -controller.direction_to(place if left > 0.1 else controller.view.pelvis(self.owner))
+        controller.go(place[0] + room * way[0], place[2] + room * way[2])
+        if left > 0.1:
+            person.has_facing, person.facing = True, math.atan2(way[2], -way[0])
 
     def _bow(self, controller: PersonController) -> None:
         level = self._arm_level(controller, 0)

@@ -109,6 +109,7 @@ class TaskDispatcher:
         ]
         self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0
+        view.persons.update({int(one.record.owner): one.record for one in self.controllers})
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
         self._tasks: list[Task | None] = [None] * count

@@ -28,6 +28,7 @@ GOING = Walk, WalkUp
 WAITING_TIME = 5.0  # for one that walks, after which it is asked to interrupt that [s]
 WAITING_RANGE = 2.0  # of one that waits, beyond touching, in arm lengths
 MEETING_RANGE = 2.5  # of where a partner walks to from where it is, to be met there [m]
+TURNING_RANGE = 1.0  # of who comes, from touching, at which one turns [m]
 FACING = math.radians(30.0)  # turned away by less, nobody turns
 NEARLY_FACING = math.radians(60.0)  # from which the other comes near
 
@@ -87,7 +88,8 @@ class HugReception:
                 self.paused[partner] = k
                 other.stop()
             return
-        if task.is_near and self._is_free(partner):
+        gap = asker.ground_distance(asker.view.pelvis(task.owner)) - task.closeness(asker)
+        if gap < TURNING_RANGE and self._is_free(partner):
             place = asker.waist()
             other.record.facing = float(other.record.heading)
             other.face_to(place)

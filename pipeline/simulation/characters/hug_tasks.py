@@ -59,7 +59,7 @@ LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
 HUG_DEPTH = 0.02  # by which two press against each other [m]
 HUG_HELD = 0.08  # from touching, within which two are together [m]
 HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
-TURNING_ROOM = 0.4  # from touching, left to a partner that turns, in arm lengths
+TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
 WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
 
@@ -109,7 +109,7 @@ class Hug(Task):
             return False
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
             share = self.encounter.share_of_way(controller, partner, closeness, dt)
-            room = TURNING_ROOM * controller.arm if self.is_turning else -HUG_DEPTH
+            room = TURNING_ROOM * closeness if self.is_turning else -HUG_DEPTH
             stop = closeness + max(room, share - HUG_DEPTH)
             reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
             self.stick(reason, self.approach)

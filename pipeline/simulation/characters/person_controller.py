@@ -365,12 +365,12 @@ class PersonController:
         self.record.arm_mode[k] = PLACED
         self.record.arm_target[k] = place
 
-    def lead_hand(self, k: int, place: Array) -> None:
-        """Send a hand towards a place, so far ahead that it goes there without haste."""
+    def lead_hand(self, k: int, place: Array, lead: float = HAND_LEAD) -> None:
+        """Send a hand towards a place, so far ahead [m] that it goes there without haste."""
         here = self.hand(k)
         offset = place - here
         distance = float(np.linalg.norm(offset))
-        self.put_hand(k, here + offset * min(HAND_LEAD / max(distance, 1e-9), 1.0))
+        self.put_hand(k, here + offset * min(lead / max(distance, 1e-9), 1.0))
 
     def put_hand_around(self, k: int, place: Array) -> None:
         """Send a hand to a place behind a partner, with the elbow aside."""

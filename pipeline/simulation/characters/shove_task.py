@@ -28,7 +28,7 @@ from pipeline.simulation.characters.standoff import BOWED_RANGE
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.spatial import Array
 
-SHOVING_RANGE = 0.8  # of palms before the own middle when they strike, in arm lengths
+SHOVING_RANGE = 0.95  # of palms before the own middle when they strike, in arm lengths
 SHOVING_RATE = 1.5  # speed of the last steps to a shove, by the distance that is left [1/s]
 DRAWING_RANGE = 0.6  # beyond the former, within which hands are drawn back, in arm lengths
 STRIKING_RANGE = 0.2  # beyond the former, within which they strike, in arm lengths
@@ -41,15 +41,17 @@ LOWERING_TIME = 0.6  # in which they sink [s]
 SHOVING_PATIENCE = 3.0  # of one that is near and does not get to strike [s]
 OFF_BALANCE = 0.25  # slackness of the muscles of one that is pushed itself and cannot strike
 
-DRAWN = 0.32, -0.12, 0.1  # of a drawn hand from its shoulder, ahead, up and inward, in arm lengths
+LUNGE = 0.85  # of the distance to which the person steps in as it strikes
+DRAWN = 0.22, -0.15, 0.05  # of a drawn hand from its shoulder, ahead, up and inward, in arm lengths
 STRETCH = 1.7  # of the place to which a hand strikes, beyond its reach, for it lags behind
-PALM_DEPTH = 0.13  # of a wrist from the middle of the chest that it pushes, in heights of both
+PALM_DEPTH = 0.11  # of a wrist from the middle of the chest that it pushes, in heights of both
 PUSHING_SPEED = 1.5  # momentum of a push, per mass of the person [m/s]
 MOST_PUSHED_SPEED = 1.6  # of whom it pushes; a stronger person holds back [m/s]
 SLACKENED = 0.4  # slackness of the muscles of one that is pushed, by its speed [s/m]
-ARMS_MASS = 2.0 * (SEGMENT_MASSES["forearm"] + SEGMENT_MASSES["hand"])
-"""Mass that comes down with the palms, as a fraction of the body."""
+ARMS_MASS = 2.0 * sum(SEGMENT_MASSES[name] for name in ("upper_arm", "forearm", "hand"))
+"""Mass that strikes with the palms, as a fraction of the body."""
 
+STRIKING_SPEED = 2.5  # of palms at most that push and do not punch [m/s]
 TRUNK_LENGTH = 0.29  # from the pelvis to the shoulders, in heights
 UNBRACED = 0.25  # part of the momentum that the feet do not bear
 
@@ -161,6 +163,8 @@ class Grapple(Task):
         """Stretch the arms to the chest and beyond, and push while the palms are there."""
         self.struck += dt
         ahead = controller.direction_to(chest)
+        self.most_pace = math.inf
+        controller.go(chest[0], chest[2], LUNGE * self._range(controller, chest), self.owner)
         right = np.array([-ahead[2], 0.0, ahead[0]])
         is_touching = False
         for k in range(2):
@@ -196,7 +200,8 @@ class Grapple(Task):
         speed = PUSHING_SPEED * ratio * restraint
         chest = int(view.arrays.owners["nodes"][other, 0]) + SHOULDERS
         hands = [int(person.node) + HAND + k for k in range(2)]
-        struck = restraint * max(view.speed_between(hand, chest) for hand in hands)
+        fastest = max(view.speed_between(hand, chest) for hand in hands)
+        struck = restraint * min(fastest, STRIKING_SPEED)
         view.push(other, speed * ahead, SLACKENED * speed)
         view.push(own, -UNBRACED * speed / ratio * ahead, 0.0)
         view.strike(other, "chest", own, 0.5 * ARMS_MASS * float(masses[own]) * struck * struck)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.encounter import Encounter, closing_pace
+from pipeline.simulation.characters.grasp import lift_over_knees
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PELVIS, SHOULDERS, SPINE, SWINGING
 from pipeline.simulation.characters.person_tasks import (
@@ -109,14 +110,24 @@ class Grapple(Task):
             _lower_hands(controller)
             self.stick(reason, self.approach)
             return False
-        self._draw_back(controller, left, dt)
+        self.near += dt
+        if self._is_low(controller, chest):
+            self._reach_down(controller, chest, dt)
+        else:
+            self._draw_back(controller, left, dt)
+        if self.struck == 0.0 and self.near > SHOVING_PATIENCE:
+            self.stick(f"does not get to shove at {place_text(controller)}")
         return False
 
     def _range(self, controller: PersonController, chest: Array) -> float:
         """Return the distance from which the palms get to the chest [m]."""
-        is_low = chest[1] < shoulder_height(controller) - LOWEST * controller.arm
+        is_low = self._is_low(controller, chest)
         reach = (BOWED_RANGE if is_low else SHOVING_RANGE) * controller.arm
         return reach + 0.5 * PALM_DEPTH * self._size(controller)
+
+    def _is_low(self, controller: PersonController, chest: Array) -> bool:
+        """Tell whether a chest is too low to be pushed from standing upright."""
+        return bool(chest[1] < shoulder_height(controller) - 1.01 * LOWEST * controller.arm)
 
     def _size(self, controller: PersonController) -> float:
         """Return the height of the character [m]."""
@@ -136,7 +147,6 @@ class Grapple(Task):
 
     def _draw_back(self, controller: PersonController, left: float, dt: float) -> None:
         """Draw the hands back before the chest, and strike as soon as the chest is in reach."""
-        self.near += dt
         if float(controller.record.stun) > OFF_BALANCE:
             self.drawn = 0.0
             _lower_hands(controller)
@@ -156,8 +166,14 @@ class Grapple(Task):
         is_facing = turn > math.cos(SHOVING_TOLERANCE)
         if is_facing and self.drawn > self.drawing_time and left < STRIKING_RANGE * controller.arm:
             self.struck = dt
-        elif self.near > SHOVING_PATIENCE:
-            self.stick(f"does not get to shove at {place_text(controller)}")
+
+    def _reach_down(self, controller: PersonController, chest: Array, dt: float) -> None:
+        """Bow to one that lies, and strike as soon as a palm is at it."""
+        for k in range(2):
+            if not controller.is_holding(k):
+                controller.put_hand(k, chest + lift_over_knees(controller, k, chest))
+                if self._is_at_chest(controller, k):
+                    self.struck = dt
 
     def _strike(self, controller: PersonController, chest: Array, dt: float) -> None:
         """Stretch the arms to the chest and beyond, and push while the palms are there."""

@@ -12,7 +12,11 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import PATIENCE
-from pipeline.simulation.characters.encounter import Encounter, closing_pace
+from pipeline.simulation.characters.encounter import (
+    CLOSING_RATE,
+    Encounter,
+    closing_pace,
+)
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import (
     PELVIS,
@@ -57,6 +61,8 @@ OPEN_TIME = 0.7  # of the arms after a hug [s]
 HUG_REACHED = 0.06  # from touching, within which arms close [m]
 LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
 HUG_DEPTH = 0.02  # by which two press against each other [m]
+GENTLER = 1.2  # rate of the last steps, in the usual one, by the size of a smaller partner
+SLOWEST_CLOSING = 0.6  # of that rate, in the usual one
 HUG_HELD = 0.08  # from touching, within which two are together [m]
 HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
 TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
@@ -114,7 +120,10 @@ class Hug(Task):
             reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
             self.stick(reason, self.approach)
             if self.is_gentle:
-                self.most_pace = closing_pace(controller, distance - closeness - share)
+                # The legs of a taller one would hurt a smaller one at the usual pace.
+                ratio = GENTLER * self.size / float(controller.record.height)
+                rate = CLOSING_RATE * min(max(ratio, SLOWEST_CLOSING), 1.0)
+                self.most_pace = closing_pace(controller, distance - closeness - share, rate)
             if distance < closeness + 1.1 * controller.arm:
                 self.is_near = True
                 # Bowing only once the partner is there would knock heads.

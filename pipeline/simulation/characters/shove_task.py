@@ -96,7 +96,9 @@ class Grapple(Task):
             if self.is_over and not self.has_pushed:
                 self.stick(f"misses at {place_text(controller)}")
             return self.is_over and not self.failure
-        partner, chest = controller.view.pelvis(self.owner), self._chest(controller)
+        chest = self._chest(controller)
+        is_low = self._is_low(controller, chest)
+        partner = chest if is_low else controller.view.pelvis(self.owner)
         if self.struck > 0.0:
             self._strike(controller, chest, dt)
             return False
@@ -111,7 +113,7 @@ class Grapple(Task):
             self.stick(reason, self.approach)
             return False
         self.near += dt
-        if self._is_low(controller, chest):
+        if is_low:
             self._reach_down(controller, chest, dt)
         else:
             self._draw_back(controller, left, dt)

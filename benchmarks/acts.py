@@ -38,6 +38,9 @@ LONG_ARM = 0.45
 SIDE, TALL, DEEP = 3.0, 1.2, 0.5
 """Length, height and depth of a fence [m]."""
 
+AT_GOAL, TABLE = 0.4, 0.8
+"""Distance from its goal at which a thing is there, and the width of a table [m]."""
+
 HUG_SCALES = 0.5, 1.4
 """Least and greatest scale of people that hug."""
 
@@ -146,6 +149,21 @@ class Act:
         else:
             self.add("t", f"character: box, scale: {2.0 * size:.2f}, heading_deg: {turn:.0f}")
 
+    def expect_at(self, own: str, at: Sequence[float], reach: float) -> None:
+        """Expect a thing to lie no farther from a place of its ground [m]."""
+        name, thing = self.name("a"), self.name(own)
+        place = at[0] + self.origin[0], at[1] + self.origin[1]
+
+        def is_there(people: People) -> bool:
+            view = people[name].view
+            owner = view.owner(thing)
+            if owner >= 0:
+                return math.dist(view.middle(owner)[[0, 2]], place) < reach
+            state = view.members.get(thing)
+            return state is not None and math.dist(state.centre[[0, 2]], place) < reach
+
+        self.holds = is_there
+
     def expect_holding(self, own: str, hands: int = 1) -> None:
         """Expect a person to hold the thing with so many hands at least."""
         name, thing = self.name(own), self.name("t")
@@ -190,11 +208,12 @@ def carry(act: Act) -> None:
     act.add_person("a", act.somewhere(0.5, 3.0))
     hand = _add_thing(act, 0.5)
     at = act.somewhere(1.2, 3.0)
-    to = act.place(*at)
+    to, reach = act.place(*at), AT_GOAL
     if act.rng.random() < 0.4:
-        act.add("table", "prop: {shape: box, size: [0.8, 0.45, 0.8]}", 0.225, at)
-        to = act.name("table")
+        act.add("table", f"prop: {{shape: box, size: [{TABLE}, 0.45, {TABLE}]}}", 0.225, at)
+        to, reach = act.name("table"), math.hypot(0.5 * TABLE, 0.5 * TABLE)
     act.order("a", f"carry: {act.name('t')}, to: {to}{hand}")
+    act.expect_at("t", at, reach)
 
 
 def hand_over(act: Act) -> None:
@@ -220,17 +239,10 @@ def carry_by_two(act: Act) -> None:
         act.add("t", body, 0.202)
     else:
         act.add("t", f"character: box, heading_deg: {turn:.0f}")
-    x, z = act.somewhere(2.0, 3.0)
-    to, place = act.place(x, z), (x + act.origin[0], z + act.origin[1])
+    at = act.somewhere(2.0, 3.0)
     for own in "ab":
-        act.order(own, f"carry: {act.name('t')}, to: {to}, hand: both")
-    name, thing = act.name("a"), act.name("t")
-
-    def is_there(people: People) -> bool:
-        state = people[name].view.members.get(thing)
-        return state is not None and math.dist(state.centre[[0, 2]], place) < 0.4
-
-    act.holds = is_there
+        act.order(own, f"carry: {act.name('t')}, to: {act.place(*at)}, hand: both")
+    act.expect_at("t", at, AT_GOAL)
 
 
 def sit(act: Act) -> None:

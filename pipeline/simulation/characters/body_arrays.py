@@ -90,9 +90,10 @@ LINK = np.dtype(
         # The touched link, or NOBODY, TERRAIN, SOLID - k; and its owner, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),
-        # Kinetic energy of the hardest touch in this step [J]; time since it last touched another
-        # link, and the ground [s].
+        # Kinetic energy of the hardest touch in this step, and of a blow that strikes it with the
+        # coming step [J]; time since it last touched another link, and the ground [s].
         ("energy", "f8"),
+        ("blow", "f8"),
         ("age", "f8", 2),
         # What it has touched of late: owners, SOLID - thing, or NOBODY; time since it did [s].
         ("recent", "i8", RECENT_TOUCHES),

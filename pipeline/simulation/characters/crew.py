@@ -23,6 +23,7 @@ from pipeline.simulation.characters.grasp import (
     lift_over_knees,
 )
 from pipeline.simulation.characters.handling_tasks import (
+    AT_GOAL,
     OPENING_TIME,
     PUT_DOWN_GAP,
     PUT_DOWN_TIME,
@@ -50,7 +51,6 @@ TAKING_TIME = 6.0  # after which both begin anew, and then give up [s]
 WALKING_TIME = 4.0  # without getting on, after which both put it down [s]
 LIFTING_TIME = 1.2  # [s]
 MOST_TRIES = 2  # to take it
-AT_GOAL = 0.4  # of the thing from its goal, in which it is carried there [m]
 
 
 class Stage(IntEnum):

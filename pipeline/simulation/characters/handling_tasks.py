@@ -25,7 +25,12 @@ from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Task, place_text
 from pipeline.simulation.characters.pursuit_tasks import CHASE_PATIENCE, TargetTask, WalkUp
-from pipeline.simulation.characters.standoff import BOWED_RANGE, BOWING_TOLERANCE, Standoff
+from pipeline.simulation.characters.standoff import (
+    BOWED_RANGE,
+    BOWING_TOLERANCE,
+    LEAST_RANGE,
+    Standoff,
+)
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.throw_flight import launch_velocity
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -41,8 +46,14 @@ HAND_DELAY = 0.15  # by which hands are behind the place that they are sent to [
 # Putting down.
 TABLE_RANGE = 0.12, 0.75  # heights of surfaces that things are put down on, in heights
 PUT_DOWN_GAP = 0.03  # above the surface at which hands open [m]
-PUT_DOWN_TIME = 4.0  # after which they open anyway [s]
+PUT_DOWN_TIME = 4.0  # after which they open anyway, if there is something below [s]
+MOST_BOWED_RANGE = 1.0  # of hands that put down before the middle of a person, in arm lengths
+PUTTING_LEAD = 0.3  # by which hands that put down are led at most [m]
+INWARD = 2.0  # of a thing from the edge of a surface, in half its least width
 OPENING_TIME = 0.4  # of hands that have put down or thrown [s]
+AT_GOAL = 0.4  # of a thing from its goal, in which it is carried there [m]
+ON_TABLE = 0.1  # below a surface, within which a thing still lies on it [m]
+RESTING_SPEED, SETTLING_TIME = 0.1, 1.5  # of what is put down [m/s], and time left to it [s]
 
 # Throwing.
 WINDUP_TIME, SWING_TIME = 0.25, 0.15  # [s]
@@ -244,8 +255,7 @@ class CarryTo(Task):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         if self.is_down:
-            self.time += dt
-            return self.time > OPENING_TIME
+            return self._is_there(controller, dt)
         if len(controller.hands_holding(self.thing)) < len(self.grab.hands):
             self.grab.asked = self.asked
             self.grab.advance(controller, dt)
@@ -267,6 +277,30 @@ class CarryTo(Task):
         self._put_down(controller, thing, goal, surface, dt)
         return False
 
+    def _is_there(self, controller: PersonController, dt: float) -> bool:
+        """Tell whether the thing has come to rest at its goal; fail if it has elsewhere."""
+        self.time += dt
+        thing = controller.view.state(self.thing)
+        is_at_rest = float(np.linalg.norm(thing.v)) < RESTING_SPEED
+        if self.time <= OPENING_TIME or not (is_at_rest or self.time > SETTLING_TIME):
+            return False
+        self.stick(self._miss(controller, thing))
+        return not self.failure
+
+    def _miss(self, controller: PersonController, thing: MemberState) -> str:
+        """Return how far from its goal the thing has come to rest, "" if it is there."""
+        goal = controller.view.state(self.walk.target)
+        offset = goal.nearest(thing.centre) - thing.centre
+        distance = math.hypot(offset[0], offset[2])
+        if distance > AT_GOAL:
+            return f"'{self.thing}' lies {distance:.2g} m off '{self.walk.target}'"
+        if (
+            _table_height(controller, goal) is not None
+            and thing.centre[1] < goal.high[1] - ON_TABLE
+        ):
+            return f"'{self.thing}' does not lie on '{self.walk.target}'"
+        return ""
+
     def _put_down(
         self,
         controller: PersonController,
@@ -279,31 +313,44 @@ class CarryTo(Task):
         self.leads_hands = True
         self.time += dt
         # Clear of the feet, which would send it rolling.
-        before = BOWED_RANGE * controller.arm * controller.ahead
-        place = np.array([controller.record.at[0], 0.0, controller.record.at[1]]) + before
+        before = BOWED_RANGE * controller.arm
+        if surface is None and not goal.solids:
+            controller.face_to(goal.centre)
+            least, most = LEAST_RANGE * controller.arm, MOST_BOWED_RANGE * controller.arm
+            before = min(max(controller.ground_distance(goal.centre), least), most)
+        place = np.array([controller.record.at[0], 0.0, controller.record.at[1]])
+        place += before * controller.ahead
         floor = controller.view.ground_height(place[0], place[2])
         height = floor if surface is None else surface
         rise = height + 0.5 * PUT_DOWN_GAP - float(thing.low[1])
         move = np.array([place[0] - thing.centre[0], rise, place[2] - thing.centre[2]])
+        is_over = surface is None
         # First up, then over the surface, then down.
         if surface is not None and rise < 0.05:
             depth = 0.5 * float(np.ptp(np.concatenate(thing.solids)[:, [0, 2]], axis=0).min())
             edge = goal.nearest(thing.centre)
             inward = goal.centre - edge
             inward[1] = 0.0
-            inward *= min(1.2 * depth / max(float(np.linalg.norm(inward)), 1e-9), 1.0)
-            over = edge + inward - thing.centre
+            farther = min(INWARD * depth / max(float(np.linalg.norm(inward)), 1e-9), 1.0)
+            over = edge + farther * inward - thing.centre
             move[[0, 2]] = over[[0, 2]]
-            if math.hypot(move[0], move[2]) > 0.5 * depth + 0.02:
+            rim = edge - thing.centre
+            is_over = math.hypot(rim[0], rim[2]) < 0.01
+            left = math.hypot(move[0], move[2])
+            is_over &= left < 0.5 * depth + 0.02 or self.time > 0.5 * PUT_DOWN_TIME
+            if not is_over:
                 move[1] = max(rise, 0.06 - (thing.low[1] - height))
-        size = float(np.linalg.norm(move))
         hands = controller.hands_holding(self.thing)
         for k in hands:
             both = len(hands) == 2
             hand = grasp_place(controller, thing, k, both) if both else controller.hand(k)
-            controller.lead_hand(k, hand + move)
-        is_over = surface is None or size < 0.1
-        if (abs(rise) < PUT_DOWN_GAP and is_over) or self.time > PUT_DOWN_TIME:
+            wrist = hand + move
+            lift = lift_over_knees(controller, k, wrist) if surface is None else 0.0
+            controller.lead_hand(k, wrist + lift, PUTTING_LEAD)
+        if self.time > PUT_DOWN_TIME and not is_over:
+            reason = f"does not reach the top of '{self.walk.target}'"
+            self.stick(f"{reason} at {place_text(controller)}; still holds '{self.thing}'")
+        elif (abs(rise) < PUT_DOWN_GAP and is_over) or self.time > PUT_DOWN_TIME:
             controller.release(self.thing, np.zeros(3))
             if (owner := controller.view.owner(self.thing)) >= 0:
                 controller.embrace(owner)

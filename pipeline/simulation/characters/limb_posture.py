@@ -81,7 +81,8 @@ def advance_stoop(person: Record, dt: float) -> None:
     arm = person.upper_arm + person.forearm
     height = person.hip_height + person.belly + person.chest
     for k in range(2):
-        if person.arm_mode[k] >= PLACED and person.sit_blend == 0.0:
+        # Knees of a person that crouches before its partner would push it away.
+        if person.arm_mode[k] == PLACED and person.sit_blend == 0.0:
             descent = max(descent, person.floor + height - 0.8 * arm - person.arm_target[k, 1])
     bow = min(max(descent, person.stoop_depth) / (BOW_RANGE * height), 1.0) * MAX_BOW
     person.bow, person.bow_rate = spring_step(person.bow, person.bow_rate, bow, 4.0, dt)

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
-from pipeline.simulation.characters.contact_tasks import Grab, Grapple, Hug, Reach
+from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.grasp import hands_needed
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
+from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.person_controller import (
     HANDS,
@@ -26,6 +27,7 @@ from pipeline.simulation.characters.pursuit_tasks import (
     WalkUp,
 )
 from pipeline.simulation.characters.seat_task import SitOn
+from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.spec import script as spec
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import VERBS, key_of_order

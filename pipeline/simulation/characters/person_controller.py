@@ -14,6 +14,7 @@ from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
     HUGGING,
+    KNEE,
     PELVIS,
     PLACED,
     SHOULDER,
@@ -23,11 +24,11 @@ from pipeline.simulation.characters.person_record import (
 )
 from pipeline.simulation.characters.slots import Slots
 from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
-from pipeline.simulation.dynamics.compiled import Record
+from pipeline.simulation.dynamics.compiled import Record, Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.order_outcome import GripChange
-from pipeline.simulation.people.proportions import JOINTS
+from pipeline.simulation.people.proportions import JOINTS, SEGMENTS
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.model_base import Goal, Target
@@ -48,6 +49,9 @@ UPRIGHT_BOW, UPRIGHT_CROUCH = 0.25, 0.06  # of the trunk as a tangent, of the le
 HAND_LEAD = 0.12  # by which hands that hold a thing are led at most [m]
 RUN_FROUDE = 1.1  # speed of the fastest run, in √(g l)
 
+SEGMENT_NAMES = tuple(SEGMENTS)
+"""Names of a person's segments, in the order of their links."""
+
 NO_CIRCLES = np.zeros((0, 2)), np.zeros(0)
 
 
@@ -67,6 +71,7 @@ class CharacterView:
         body_masses: masses of bodies that can be pushed, by name [kg].
         holders: names of the people that hold members of other rooms, by name.
         slots: places on things that people have taken.
+        persons: `PERSON` records of acting people, by their number.
     """
 
     names: Sequence[str]
@@ -80,6 +85,7 @@ class CharacterView:
     body_masses: dict[str, float] = field(default_factory=dict)
     holders: dict[str, str] = field(default_factory=dict)
     slots: Slots = field(default_factory=Slots)
+    persons: dict[int, Record] = field(default_factory=dict)
 
     @cached_property
     def p(self) -> Array:
@@ -133,6 +139,11 @@ class CharacterView:
 
     def set_velocity(self, owner: int, v: Array) -> None:
         """Give all nodes of a character a velocity (3,) [m/s]."""
+        nodes = self._wake(owner)
+        nodes["previous"] = nodes["p"] - self.sub_step * v
+
+    def _wake(self, owner: int) -> Records:
+        """Wake a character, and return its nodes."""
         first, count = self._spans[owner]
         nodes, state = self.arrays.nodes[first : first + count], self.arrays.owners[owner]
         state.asleep, state.watch_time, state.still_count = False, 0.0, 0
@@ -140,7 +151,41 @@ class CharacterView:
         nodes["lock"][resting] = FREE
         nodes["mobility"][resting] = nodes["inverse_mass"][resting]
         nodes["anchor"] = nodes["p"]
-        nodes["previous"] = nodes["p"] - self.sub_step * v
+        return nodes
+
+    def push(self, owner: int, v: Array, slackness: float) -> None:
+        """Throw a character off balance.
+
+        Args:
+            owner: its number.
+            v: (3,) velocity that is added, of a person to all but its knees and feet [m/s].
+            slackness: of its muscles, 0 to 1.
+        """
+        nodes = self._wake(owner)
+        nodes["previous"][: KNEE if owner in self.people else None] -= self.sub_step * v
+        person = self.persons.get(owner)
+        if person is not None:
+            # The feet go along, or the legs would hold the body where it is.
+            person.velocity[0] += v[0]
+            person.velocity[1] += v[2]
+            person.stun = max(float(person.stun), slackness)
+
+    def strike(self, owner: int, segment: str, striker: int, energy: float) -> None:
+        """Let a segment of a person feel a blow of the right hand of another [J]."""
+        links = self.arrays.links
+        link = links[self._link(owner, segment)]
+        link.blow, link.age[0] = energy, 0.0
+        link.touched, link.touched_owner = self._link(striker, "forearm_r"), striker
+
+    def _link(self, owner: int, segment: str) -> int:
+        """Return the number of the link of a person's segment."""
+        return int(self.arrays.owners["links"][owner, 0]) + SEGMENT_NAMES.index(segment)
+
+    def speed_between(self, node: int, other: int) -> float:
+        """Return the relative speed of two nodes [m/s]."""
+        nodes = self.arrays.nodes
+        moved = nodes["p"] - nodes["previous"]
+        return math.dist(moved[node], moved[other]) / self.sub_step
 
     def nodes(self, owner: int) -> Array:
         """Return (n, 3) the nodes of a character [m]."""
@@ -320,12 +365,12 @@ class PersonController:
         self.record.arm_mode[k] = PLACED
         self.record.arm_target[k] = place
 
-    def lead_hand(self, k: int, place: Array) -> None:
-        """Send a hand towards a place, so far ahead that it goes there without haste."""
+    def lead_hand(self, k: int, place: Array, lead: float = HAND_LEAD) -> None:
+        """Send a hand towards a place, so far ahead [m] that it goes there without haste."""
         here = self.hand(k)
         offset = place - here
         distance = float(np.linalg.norm(offset))
-        self.put_hand(k, here + offset * min(HAND_LEAD / max(distance, 1e-9), 1.0))
+        self.put_hand(k, here + offset * min(lead / max(distance, 1e-9), 1.0))
 
     def put_hand_around(self, k: int, place: Array) -> None:
         """Send a hand to a place behind a partner, with the elbow aside."""

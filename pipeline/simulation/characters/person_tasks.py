@@ -217,6 +217,12 @@ def walking_failure(
     return ""
 
 
+def shoulder_height(controller: PersonController) -> float:
+    """Return the height of the shoulders in standing upright [m]."""
+    person = controller.record
+    return float(person.floor + person.hip_height + person.belly + person.chest)
+
+
 def place_text(controller: PersonController) -> str:
     """Return where a person is, for messages."""
     x, z = (float(c) for c in controller.record.at)

@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import SOLID, TERRAIN, CharacterArrays
 from pipeline.simulation.characters.character_plans import LINK_NAMES, PEOPLE
 from pipeline.simulation.characters.contact_response import TouchLog
-from pipeline.simulation.characters.contact_tasks import HUG, Hug
+from pipeline.simulation.characters.hug_tasks import HUG, Hug
 from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher

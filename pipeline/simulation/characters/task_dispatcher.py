@@ -11,19 +11,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
-from pipeline.simulation.characters.contact_tasks import (
-    STEP_BACK,
-    Grab,
-    Grapple,
-    Hug,
-    LoosenHug,
-    Reach,
-)
+from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
+from pipeline.simulation.characters.hug_reception import HugReception
+from pipeline.simulation.characters.hug_tasks import STEP_BACK, Hug, LoosenHug
 from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
@@ -47,6 +42,7 @@ from pipeline.simulation.characters.pursuit_tasks import (
 )
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
+from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
@@ -72,9 +68,6 @@ ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 
 BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt)
 """Tasks that are not left off for a hug."""
-
-WIDE_GRIP = 0.3
-"""How far hands close that hold a thing between them, in how far one closes around a thing."""
 
 WIDE_GRIP = 0.3
 """How far hands close that hold a thing between them, in how far one closes around a thing."""
@@ -116,6 +109,7 @@ class TaskDispatcher:
         ]
         self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0
+        view.persons.update({int(one.record.owner): one.record for one in self.controllers})
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
         self._tasks: list[Task | None] = [None] * count
@@ -133,6 +127,7 @@ class TaskDispatcher:
         self._regrets: list[Regret | None] = [None] * count
         self._usual_paces: list[float | None] = [None] * count
         self._waits = [False] * count
+        self._reception = HugReception(self)
         self._posed_hands = {name: PosedHands(keys) for name, keys in (poses or {}).items() if keys}
 
     def gripping(self) -> Array:
@@ -169,6 +164,22 @@ class TaskDispatcher:
             if (k := self._by_name.get(name)) is not None:
                 for order in given:
                     self._accept(k, order)
+
+    # --- for hugs -------------------------------------------------------------------------
+
+    def index(self, name: str) -> int | None:
+        """Return the index of an acting person, None for another member of the cast."""
+        return self._by_name.get(name)
+
+    def refusal_to_hug(self, k: int, asker: int) -> str:
+        """Return why a person does not let a character hug it, "" if it does."""
+        if k in self.minded and not self._ordered[k]:
+            return self.minded[k].refusal(asker)
+        task = self._tasks[k]
+        if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
+            return f"hugs {self.view.names[task.owner]}"
+        is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
+        return "has its hands full" if is_busy else ""
 
     # --- for minds ------------------------------------------------------------------------
 
@@ -214,7 +225,7 @@ class TaskDispatcher:
         self._share_slots()
         self._form_crews()
         self._advance_crews()
-        self._ask_partners()
+        self._reception.advance(self._dt)
         givings = self._ask_holders()
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
@@ -222,7 +233,8 @@ class TaskDispatcher:
             if embraces[k] >= 0:
                 controller.end_distant_embrace()
             may_grip = holds[k] or self._tasks[k] is not None
-            if self._tasks[k] is not None and not self._waits[k] and k not in self.suspended:
+            rests = self._waits[k] or k in self.suspended or k in self._reception.paused
+            if self._tasks[k] is not None and not rests:
                 self._advance(k, controller)
             task = self._tasks[k]
             if task is None or not task.leads_hands:
@@ -271,28 +283,6 @@ class TaskDispatcher:
         for task in self._tasks:
             if isinstance(task, CarryEnd) and task.number == 0:
                 task.crew.advance(self._dt)
-
-    def _ask_partners(self) -> None:
-        """Let those who are to be hugged accept or decline, once the arms open."""
-        for k, task in enumerate(self._tasks):
-            if not isinstance(task, Hug) or task.is_answered or not task.is_near:
-                continue
-            task.is_answered = True
-            partner = self._by_name.get(self.view.names[task.owner])
-            if self._ordered[k] and partner is not None:
-                asker = int(self.controllers[k].record.owner)
-                if refusal := self._refusal_to_hug(partner, asker):
-                    task.failure = f"{self.controllers[partner].name} {refusal}, and declines"
-
-    def _refusal_to_hug(self, k: int, asker: int) -> str:
-        """Return why a person does not let a character hug it, "" if it does."""
-        if k in self.minded and not self._ordered[k]:
-            return self.minded[k].refusal(asker)
-        task = self._tasks[k]
-        if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
-            return f"hugs {self.view.names[task.owner]}"
-        is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
-        return "has its hands full" if is_busy else ""
 
     def _ask_holders(self) -> dict[int, HandOver]:
         """Return what is handed over, by the giver; askers of a busy holder wait."""

@@ -136,7 +136,8 @@ def advance(
     h = dt / count
     log.filled[0] = 0
     for n in range(len(arrays.links)):
-        arrays.links[n].energy = 0.0
+        arrays.links[n].energy = arrays.links[n].blow
+        arrays.links[n].blow = 0.0
     for n in range(count):
         control_people(arrays, persons, grid, workspace.solids, h)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)

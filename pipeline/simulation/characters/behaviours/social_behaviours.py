@@ -15,15 +15,15 @@ from pipeline.simulation.characters.behaviours.registry import (
     ConfiguredBehaviour,
     implements,
 )
-from pipeline.simulation.characters.contact_tasks import (
+from pipeline.simulation.characters.hug_tasks import (
     HUG,
     OPEN_TIME,
-    Grapple,
     Hug,
     LoosenHug,
     ReturnHug,
 )
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Attachment, Comfort, Fight
 
@@ -43,8 +43,10 @@ MIN_HUG_TIME = 0.5  # for the arms to close before a hug ends [s]
 
 # Fights.
 PROVOCATION_RANGE = 3.0  # of a rival [m]
-ROUND_TIME, ROUND_PAUSE = 2.2, 2.5  # of shoving, and of keeping a distance after [s]
-SHOVE_GAP = 2.0  # from which steps to a shove slow down, in arm lengths
+ROUND_TIME, ROUND_PAUSE = 4.0, 2.5  # of shoving, at most, and of keeping a distance after [s]
+RECOVERY = 1.2  # of keeping a distance after being shoved [s]
+DRAWING_TIMES = 0.25, 0.8  # for which hands are drawn back before they strike [s]
+SHOVE_GAP = 4.0  # from which steps to a shove slow down, in arm lengths
 STAND_OFF = 1.1  # distance between rounds [m]
 SLACK = 0.15  # of that distance, within which nobody steps back
 
@@ -169,20 +171,30 @@ class FightRival(ConfiguredBehaviour[Fight]):
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         place = mind.place(self.target)
-        if self.grapple is not None and mind.now - self.began > ROUND_TIME:
+        if self.grapple is not None and self._ends_round(mind, self.grapple):
+            pause = ROUND_PAUSE if self.grapple.is_over else RECOVERY
             self.grapple = None
-            self.pause_end = mind.now + ROUND_PAUSE * (0.7 + 0.6 * float(mind.rng.random()))
+            self.pause_end = mind.now + pause * (0.7 + 0.6 * float(mind.rng.random()))
         if mind.now < self.pause_end:
             distance = STAND_OFF + mind.body_radius + float(mind.surroundings.radius[self.target])
             if mind.distance_to(self.target) > distance:
                 return steer(mind, place, distance, target=self.target, pace=mind.stroll)
             return self._step_back(mind, place, distance)
         if self.grapple is None and mind.gap(self.target) < SHOVE_GAP * mind.controller.arm:
-            self.grapple, self.began = Grapple(self.target), mind.now
+            # Two that strike at the same time would only meet one another's arms.
+            low, high = DRAWING_TIMES
+            drawing_time = low + (high - low) * float(mind.rng.random())
+            self.grapple, self.began = Grapple(self.target, drawing_time), mind.now
         if self.grapple is None:
             return steer(mind, place, target=self.target, touching=True)
         pace = 0.5 * (mind.stroll + mind.pace)
         return MotorCommand(task=self.grapple, pace=pace, target=self.target, touching=True)
+
+    def _ends_round(self, mind: Mind, grapple: Grapple) -> bool:
+        """Tell whether it has shoved, has been shoved before it could, or does not get to it."""
+        time, striker = mind.struck
+        is_struck = striker == self.target and time > self.began and grapple.struck == 0.0
+        return grapple.is_over or is_struck or mind.now - self.began > ROUND_TIME
 
     def _step_back(self, mind: Mind, place: Array, distance: float) -> MotorCommand:
         """Return the motor command that keeps a distance, with the eyes on the rival [m]."""

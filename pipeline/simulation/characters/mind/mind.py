@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pipeline.simulation.characters.contact_tasks import Hug
+from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.detour_state import DetourState
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand

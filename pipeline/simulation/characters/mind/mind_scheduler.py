@@ -15,7 +15,7 @@ from pipeline.simulation.characters.behaviours.registry import (
     behaviours_of,
 )
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
-from pipeline.simulation.characters.contact_tasks import Hug
+from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays

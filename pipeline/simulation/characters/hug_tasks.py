@@ -1,0 +1,316 @@
+"""Hug tasks: putting both arms around somebody, letting go again, and hugging back.
+
+Source: Horswill 2008, "Hugging".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.contact_tasks import PATIENCE
+from pipeline.simulation.characters.encounter import (
+    CLOSING_RATE,
+    Encounter,
+    closing_pace,
+)
+from pipeline.simulation.characters.person_controller import PersonController
+from pipeline.simulation.characters.person_record import (
+    PELVIS,
+    SHOULDERS,
+    SPINE,
+    SWINGING,
+)
+from pipeline.simulation.characters.person_tasks import (
+    Approach,
+    Task,
+    place_text,
+    shoulder_height,
+)
+from pipeline.simulation.spatial import Array
+
+
+@dataclass(frozen=True)
+class HugShape:
+    """Where arms go in a hug; lengths in heights of the partner or the person.
+
+    Attributes:
+        chest_radius: of either of the two.
+        back_depth: of a back behind the spine, where hands lie that cannot meet.
+        waist: height of the narrowest place of a trunk above the pelvis.
+        hands_joined: distance of hands that join.
+        reach: largest part of an arm's reach to go around with.
+        closing_time: of the arms [s].
+    """
+
+    chest_radius: float = 0.075
+    back_depth: float = 0.055
+    waist: float = 0.085
+    hands_joined: float = 0.06
+    reach: float = 0.95
+    closing_time: float = 0.7
+
+
+HUG = HugShape()
+
+STEP_BACK = 0.25  # after a hug that an order ends [m]
+OPEN_TIME = 0.7  # of the arms after a hug [s]
+HUG_REACHED = 0.06  # from touching, within which arms close [m]
+LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
+HUG_DEPTH = 0.02  # by which two press against each other [m]
+GENTLER = 1.2  # rate of the last steps, in the usual one, by the size of a smaller partner
+SLOWEST_CLOSING = 0.6  # of that rate, in the usual one
+HUG_HELD = 0.08  # from touching, within which two are together [m]
+HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
+TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
+WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
+EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
+
+
+@dataclass
+class Hug(Task):
+    """Go to a character, put both arms around it, and join the hands.
+
+    Attributes:
+        owner: number of the partner.
+        size: height of the partner [m].
+        touched: time since the two touch [s], 0 before.
+        encounter: with the partner.
+        is_gentle: whether the last steps are slow.
+        is_near: whether the person has opened its arms.
+        is_answered: whether the partner has accepted or declined.
+        is_turning: whether the partner is still turning to the person, which needs room.
+        meeting: (2,) where the partner is walking to, which is kept clear until it is there [m];
+            None for a partner that does not walk.
+        apart: time for which the arms are closed and the two are not together [s].
+        approach: to the partner.
+    """
+
+    owner: int
+    size: float
+    touched: float = 0.0
+    encounter: Encounter = field(default_factory=Encounter)
+    is_gentle: bool = True
+    is_near: bool = False
+    is_answered: bool = False
+    is_turning: bool = False
+    meeting: Array | None = None
+    apart: float = 0.0
+    approach: Approach = field(default_factory=Approach)
+
+    def closeness(self, controller: PersonController) -> float:
+        """Return the distance between the two pelvises at which the bodies touch [m]."""
+        return HUG.chest_radius * (float(controller.record.height) + self.size)
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        partner = controller.view.pelvis(self.owner)
+        closeness = self.closeness(controller)
+        distance = controller.ground_distance(partner)
+        if self.touched == 0.0 and self.meeting is not None:
+            self._keep_clear(controller, self.meeting, closeness, dt)
+            return False
+        if self.touched == 0.0 and distance > closeness + HUG_REACHED:
+            share = self.encounter.share_of_way(controller, partner, closeness, dt)
+            room = TURNING_ROOM * closeness if self.is_turning else -HUG_DEPTH
+            stop = closeness + max(room, share - HUG_DEPTH)
+            reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
+            self.stick(reason, self.approach)
+            if self.is_gentle:
+                # The legs of a taller one would hurt a smaller one at the usual pace.
+                ratio = GENTLER * self.size / float(controller.record.height)
+                rate = CLOSING_RATE * min(max(ratio, SLOWEST_CLOSING), 1.0)
+                self.most_pace = closing_pace(controller, distance - closeness - share, rate)
+            if distance < closeness + 1.1 * controller.arm:
+                self.is_near = True
+                # Bowing only once the partner is there would knock heads.
+                self._bow(controller)
+                self._open_arms(controller)
+            return False
+        self.most_pace = math.inf
+        if self.touched == 0.0:
+            controller.face_to(partner)
+        elif distance > closeness + LOST_HUG * controller.arm:
+            # In a hug a person lets its partner go, and does not reach after it.
+            self.is_lost, self.touched = self.touched > PATIENCE, 0.0
+            controller.part_hands()
+            return self.is_lost
+        is_done = self.touched > PATIENCE
+        self.touched += dt
+        self._bow(controller)
+        self._close_arms(controller, partner)
+        if self.touched > HUG.closing_time:
+            gap = math.dist(controller.hand(0), controller.hand(1))
+            if gap < HUG.hands_joined * float(controller.record.height):
+                controller.join_hands()
+        if not is_done and distance > closeness + HUG_HELD:
+            self._draw_near(controller, partner, dt)
+            self.touched = min(self.touched, PATIENCE)
+        return self.touched > PATIENCE
+
+    def _draw_near(self, controller: PersonController, partner: Array, dt: float) -> None:
+        """Step up to a partner that the closed arms have not got hold of; give up in the end."""
+        closeness = self.closeness(controller)
+        self.most_pace = closing_pace(controller, 0.0)
+        controller.go(partner[0], partner[2], closeness - HUG_DEPTH, self.owner)
+        self.apart += dt
+        if self.apart > HUG_PATIENCE:
+            gap = controller.ground_distance(partner) - closeness
+            self.stick(f"stays {gap:.2f} m away at {place_text(controller)}")
+
+    def _keep_clear(
+        self, controller: PersonController, meeting: Array, closeness: float, dt: float
+    ) -> None:
+        """Wait beside the place (2,) to which the partner walks [m]."""
+        person = controller.record
+        room = closeness + WAITING_ROOM * controller.arm
+        place = np.array([meeting[0], 0.0, meeting[1]])
+        left = controller.ground_distance(place)
+        self.most_pace = math.inf
+        if left > 0.85 * room:
+            self.approach.walk_to(controller, place, room, NOBODY, dt)
+            return
+        # Off the place, with the eyes on the partner.
+        way = -controller.direction_to(place if left > 0.1 else controller.view.pelvis(self.owner))
+        controller.go(place[0] + room * way[0], place[2] + room * way[2])
+        if left > 0.1:
+            person.has_facing, person.facing = True, math.atan2(way[2], -way[0])
+
+    def _bow(self, controller: PersonController) -> None:
+        level = self._arm_level(controller, 0)
+        controller.record.stoop_depth = max(
+            shoulder_height(controller) - level - 0.3 * controller.arm, 0.0
+        )
+
+    def loosen(self, controller: PersonController, dt: float) -> bool:
+        """Open the arms as they were closed; tell whether they are open."""
+        controller.part_hands()
+        self.touched = max(min(self.touched, HUG.closing_time) - dt, 1e-6)
+        self._close_arms(controller, controller.view.pelvis(self.owner))
+        return self.touched <= dt
+
+    def _arm_level(self, controller: PersonController, k: int) -> float:
+        """Return the height at which an arm goes around: one under, one over the partner's."""
+        nodes = controller.view.nodes(self.owner)
+        low, high = float(nodes[PELVIS, 1]), float(nodes[SHOULDERS, 1])
+        person = controller.record
+        own = shoulder_height(controller)
+        # The taller one's arms go over, the smaller one's under.
+        is_taller = person.height > 1.05 * self.size
+        top = high + (0.02 if is_taller else -0.06) * self.size
+        # Round the waist at the lowest: no arm is long enough for hips.
+        level = min(max(own - 0.1 * person.height, low + HUG.waist * self.size), top)
+        apart = (0.01 if is_taller else 0.03) * person.height
+        return float(level + (apart if k == 0 else -apart))
+
+    def _open_arms(self, controller: PersonController) -> None:
+        """Hold both arms out, wide enough for the partner's shoulders."""
+        person = controller.record
+        controller.embrace(self.owner)
+        ahead = controller.direction_to(controller.view.pelvis(self.owner))
+        right = np.array([-ahead[2], 0.0, ahead[0]])
+        start = np.array([person.at[0], 0.0, person.at[1]])
+        for k in range(2):
+            side = (1.0 if k == 1 else -1.0) * (0.15 * self.size + 0.03)
+            place = start + 0.85 * controller.arm * ahead + side * right
+            place[1] = self._arm_level(controller, k)
+            controller.put_hand_around(k, place)
+
+    def _close_arms(self, controller: PersonController, partner: Array) -> None:
+        """Bring the hands together behind the partner's back."""
+        person = controller.record
+        controller.embrace(self.owner)
+        ahead = controller.direction_to(partner)
+        right = np.array([-ahead[2], 0.0, ahead[0]])
+        full = HUG.chest_radius * self.size + 0.035 * person.height
+        reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
+        # First past the partner's sides, then together.
+        closed = min(self.touched / HUG.closing_time, 1.0)
+        wide = (1.0 - closed) * 0.13 * self.size + 0.02 * self.size
+        for k in range(2):
+            side = (1.0 if k == 1 else -1.0) * wide
+            level = self._arm_level(controller, k)
+            spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
+            x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
+            middle = np.array([x, level, z])
+            beyond = HUG.reach * reach - controller.ground_distance(middle)
+            behind = min(full, max(beyond, HUG.back_depth * self.size))
+            controller.put_hand_around(k, middle + behind * ahead + side * right)
+
+
+@dataclass
+class LoosenHug(Task):
+    """Open the arms around a partner and step back, so that no arm is torn out.
+
+    Attributes:
+        hug: that ends.
+        back: distance to step back [m].
+        time: since the arms are open [s].
+    """
+
+    hug: Hug
+    back: float = 0.0
+    time: float = 0.0
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        if self.time > 0.0 or self.hug.loosen(controller, dt):
+            if self.time == 0.0:
+                self._step_back(controller)
+            self.time += dt
+        self.is_lost = self.time > OPEN_TIME
+        return self.is_lost
+
+    def _step_back(self, controller: PersonController) -> None:
+        """Let the arms sink, and step back facing the partner."""
+        person = controller.record
+        partner = controller.view.pelvis(self.hug.owner)
+        x, z = person.at[0] - partner[0], person.at[1] - partner[2]
+        share = self.back / max(math.hypot(x, z), 0.1)
+        controller.go(person.at[0] + share * x, person.at[1] + share * z)
+        person.has_facing, person.facing = True, math.atan2(z, -x)
+        for k in range(2):
+            if not controller.is_holding(k):
+                person.arm_mode[k] = SWINGING
+
+
+@dataclass
+class ReturnHug(Task):
+    """Put both hands on the back of an approaching partner, without a step and without bowing.
+
+    Attributes:
+        owner: number of the partner.
+        size: height of the partner [m].
+        opens: whether the hands come off again.
+        time: since they do, or since the start [s].
+    """
+
+    owner: int
+    size: float
+    opens: bool = False
+    time: float = 0.0
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        person = controller.record
+        if self.time == 0.0:
+            controller.stop()
+            person.has_facing = False
+        controller.embrace(self.owner)
+        self.time += dt
+        partner = controller.view.middle(self.owner)
+        ahead = np.array([partner[0] - person.at[0], partner[2] - person.at[1]])
+        ahead /= max(math.hypot(ahead[0], ahead[1]), 1e-6)
+        share = min(self.time / HUG.closing_time, 1.0)
+        wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
+        lowest = shoulder_height(controller) - EMBRACE_DESCENT * controller.arm
+        level = max(float(partner[1]) - 0.03 * self.size, lowest)
+        for k in range(2):
+            side = wide if k == 1 else -wide
+            x = partner[0] + 0.11 * self.size * ahead[0] - side * ahead[1]
+            z = partner[2] + 0.11 * self.size * ahead[1] + side * ahead[0]
+            controller.put_hand(k, np.array([x, level, z]))
+        return self.time > HUG.closing_time

@@ -1,0 +1,31 @@
+"""Shoves: palms that strike a chest throw off balance whom they strike, and hurt."""
+
+from __future__ import annotations
+
+from pipeline.simulation.characters.characters import Characters
+from tests.simulation.characters.scripted_people import play_scene
+
+SCENE = """\
+duration: 2.6
+cast:
+  - {name: a, character: adult, at: [-1.2, 0]}
+  - {name: b, character: adult, at: [0, 0], heading_deg: 180}
+script: [{at: 0, who: a, do: {grapple: b}}]
+"""
+
+
+def test_a_shove_throws_the_other_back_and_hurts() -> None:
+    pains = []
+
+    def feel(troupe: Characters, step: int) -> None:
+        pains.append(troupe.arrays.owners["pain"].tolist())
+
+    play = play_scene(SCENE, feel)
+    pushed, pusher = play.joint("b", "pelvis"), play.joint("a", "pelvis")
+    assert 0.3 < pushed[-1, 0] - pushed[0, 0] < 1.6
+    # Not belly to belly, and the hands sink again.
+    assert (pushed[:, 0] - pusher[:, 0]).min() > 0.35
+    assert play.records["arm_mode"][-1, 0].tolist() == [0, 0]
+    assert max(pain[1] for pain in pains) > 0.4
+    assert max(pain[0] for pain in pains) == 0.0
+    assert play.when("a")

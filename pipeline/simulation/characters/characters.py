@@ -163,6 +163,7 @@ class Characters(Troupe):
         self.contact_reporter.solids = self.solid_tracker.obstacles
         self.obstacle_circles.set_solids(self.solid_tracker.solids.bodies)
         self.dispatcher.view.body_masses.update(self.solid_tracker.masses())
+        self.dispatcher.view.decks.tracker = self.solid_tracker
         return self.solid_tracker.obstacles
 
     def update_obstacles(self, motion: SolidMotion) -> None:

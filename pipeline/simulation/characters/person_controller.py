@@ -9,7 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, CharacterArrays
+from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
+from pipeline.simulation.characters.deck_choice import Decks
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
@@ -22,7 +23,7 @@ from pipeline.simulation.characters.person_record import (
     SWINGING,
 )
 from pipeline.simulation.characters.slots import Slots
-from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
+from pipeline.simulation.characters.visibility_route import LIGHT_MASS, MAX_CIRCLES, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
@@ -80,6 +81,11 @@ class CharacterView:
     body_masses: dict[str, float] = field(default_factory=dict)
     holders: dict[str, str] = field(default_factory=dict)
     slots: Slots = field(default_factory=Slots)
+
+    @cached_property
+    def decks(self) -> Decks:
+        """What people can stand on and be carried by."""
+        return Decks(self.arrays)
 
     @cached_property
     def p(self) -> Array:
@@ -242,12 +248,17 @@ class PersonController:
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].
 
-        They are obstacles of other rooms, and things too heavy to be kicked away.
+        They are obstacles of other rooms, and things too heavy to be kicked away, other than the
+        deck that the person stands on or is about to.
         """
-        circles = self.view.obstacle_circles
-        found = (circles.middles, circles.radii) if circles.update() else NO_CIRCLES
+        circles, found = self.view.obstacle_circles, NO_CIRCLES
+        if circles.update():
+            others = circles.keys // MAX_CIRCLES != SOLID - self.record.deck
+            found = circles.middles[others], circles.radii[others]
         owners = self.view.arrays.nodes["owner"]
         held = {int(owners[node]) for k in range(2) if (node := self.held_node(k)) >= 0}
+        if self.record.deck_share > 0.0:
+            held.add(int(self.record.deck))
         things = [self.view.circle(k) for k in self.view.heavy_things if k not in held]
         if not things:
             return found
@@ -332,15 +343,27 @@ class PersonController:
         self.record.arm_mode[k] = HUGGING
         self.record.arm_target[k] = place
 
-    def grip(self, k: int, node: int) -> None:
-        """Close a hand around a node; for JOINED_GRIP the left hand."""
+    def grip(
+        self, k: int, node: int, bar: int = NOBODY, share: float = 0.0, follows: bool = False
+    ) -> None:
+        """Close a hand around a node or a bar; for JOINED_GRIP the left hand.
+
+        Args:
+            k: number of the grip.
+            node: that is held, or one end of the bar.
+            bar: the node at its other end.
+            share: how far along the bar, 0 to 1.
+            follows: whether the hand does not move it, as that of a person who stands on it.
+        """
         hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
         if self.held_node(k) != node and nodes["owner"][node] != self.record.owner:
             self.touched.append(self.view.names[nodes["owner"][node]])
         self.view.arrays.grips[self.record.grip + k] = hand, node
         nodes["grip_partner"][hand] = nodes["owner"][node]
         nodes["grip_partner"][node] = self.record.owner
-        nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
+        nodes["grip_bar"][hand], nodes["grip_share"][hand] = bar, share
+        nodes["grip_follows"][hand] = follows
+        nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], self.held_place(k))
         # A ball hangs from the hand by its surface.
         is_ball = self.view.arrays.owners[nodes["owner"][node]].nodes[1] == 1
         nodes["grip_length"][hand] = nodes["radius"][node] if is_ball else 0.0
@@ -352,6 +375,14 @@ class PersonController:
     def held_node(self, k: int) -> int:
         """Return the node that a hand grips, -1 for none."""
         return int(self.view.arrays.grips[self._first_grip + k, 1])
+
+    def held_place(self, k: int) -> Array:
+        """Return (3,) the place on a node or a bar at which a grip holds it [m]."""
+        nodes, p = self.view.arrays.nodes, self.view.p
+        hand, node = self.view.arrays.grips[self.record.grip + k]
+        bar, share = int(nodes["grip_bar"][hand]), float(nodes["grip_share"][hand])
+        place: Array = p[node] if bar < 0 else (1.0 - share) * p[node] + share * p[bar]
+        return place
 
     def is_holding(self, k: int) -> bool:
         """Tell whether a hand grips something."""
@@ -441,6 +472,7 @@ class PersonController:
         grip = self.view.arrays.grips[self.record.grip + k]
         if grip[0] >= 0:
             self.view.arrays.nodes["grip_partner"][grip] = NOBODY
+            self.view.arrays.nodes["grip_bar"][grip[0]] = NOBODY
         grip[:] = NOBODY
 
     def node_to_grip(self, owner: int, part: str | None, k: int) -> int:
@@ -465,7 +497,7 @@ class PersonController:
                 continue
             mass = arrays.owners[int(arrays.nodes["owner"][node])].mass
             if mass > CARRIED_MASS * arrays.owners[self.record.owner].mass:
-                self.put_hand(k, arrays.nodes["p"][node])
+                self.put_hand(k, self.held_place(k))
             elif self._holds_between(node):
                 radius = float(arrays.nodes["radius"][node])
                 self.lead_hand(k, self.place_before(k, radius, radius))

@@ -1,0 +1,200 @@
+"""Push task: walking round with a merry-go-round, hands on a post, until it has turned enough.
+
+The person stands outside the rim a little behind its post, leans against it and walks after it; its
+hands push on the post the harder the slower it turns than it should.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.simulation.characters.carousel_pose import CarouselPose, carousel_pose
+from pipeline.simulation.characters.person_controller import PersonController
+from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
+from pipeline.simulation.characters.playthings import SPOKES
+from pipeline.simulation.characters.ride_task import hold_bar, release_bars
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.spatial import Array
+
+WANTED_RATE = 0.85  # of a turning merry-go-round [rad/s]
+PUSHING_FROUDE = 0.6  # speed of the fastest pusher, in √(g l)
+STARTING_TIME = 3.0  # in which the wanted rate grows [s]
+PUSH_LEAD = 0.08  # by which hands are led ahead of the post at most [m]
+LEAD_GAIN = 0.4  # of that lead, by the lag of the rate [m s/rad]
+RIM_DISTANCE = 0.12  # of the middle of a pusher from the rim, in heights
+RIM_CLEARANCE = 0.06  # more of it [m]
+POST_REACH = 0.8  # of its post before a pusher, in arm lengths
+PUSHING_LEVEL = 0.72  # of the hands, in heights
+TOP_MARGIN = 0.05  # of the hands below the top of a post [m]
+LOWEST_LEVEL = 0.15  # of them above the foot of a post [m]
+HANDS_APART = 0.07  # on a post [m]
+BRACE = 0.12  # tangent of the lean at full push
+INWARD_TURN = math.radians(22.0)  # of a pusher towards its post
+FOLLOW_GAIN = 2.5  # speed of a pusher beyond that of its post, by how far it is behind [1/s]
+ROUND_LEAD = 0.3  # ahead along the round to which it walks [rad]
+REACHING_TIME = 5.0  # in which hands get hold of a post [s]
+IDLE_TIME = 8.0  # without a turn of a tenth, after which it does not turn [s]
+NEAR_PLACE = 0.35  # of the person from its place at the rim, at which it takes hold [m]
+TURNING_RATE = 0.1  # from which the sense of a turn counts [rad/s]
+
+
+@dataclass
+class PushRound(Task):
+    """Push a merry-go-round.
+
+    Attributes:
+        owner: its number.
+        turns: how far it is turned.
+        number: of the post that the person has taken, None before.
+        sense: 1 for turns about +Y, -1 for the other way.
+        approach: to the post.
+        is_at_rim: whether the person has come to the rim.
+        time: since then [s].
+        turned: angle by which it has been pushed [rad].
+        idle: time since it turned by a tenth of a turn [s].
+        mark: angle at that time [rad].
+        is_done: whether it has turned enough.
+    """
+
+    owner: int
+    turns: float = 2.0
+    number: int | None = field(default=None, init=False)
+    sense: float = field(default=1.0, init=False)
+    approach: Approach = field(default_factory=Approach, init=False)
+    is_at_rim: bool = field(default=False, init=False)
+    time: float = field(default=0.0, init=False)
+    turned: float = field(default=0.0, init=False)
+    idle: float = field(default=0.0, init=False)
+    mark: float = field(default=0.0, init=False)
+    is_done: bool = field(default=False, init=False)
+
+    @property
+    def wants_slot(self) -> bool:
+        """See `Task`."""
+        return self.number is None
+
+    def slot_distance(self, controller: PersonController) -> float:
+        """See `Task`."""
+        return controller.ground_distance(carousel_pose(controller.view, self.owner).hub)
+
+    def take_slot(self, controller: PersonController) -> None:
+        """See `Task`."""
+        view = controller.view
+        carousel, thing = carousel_pose(view, self.owner), view.names[self.owner]
+        free = view.slots.free(thing, SPOKES)
+        if not free:
+            self.failure = f"all {SPOKES} posts are taken"
+            return
+        if abs(carousel.rate) > TURNING_RATE:
+            self.sense = math.copysign(1.0, carousel.rate)
+        at = np.array(controller.record.at)
+        places = [self._place(controller, carousel, n) for n in free]
+        self.number = min(free, key=lambda n: (math.dist(at, places[free.index(n)][[0, 2]]), n))
+        view.slots.take(thing, self.number, controller.name, float(controller.record.heading))
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        if self.number is None or self.is_done:
+            return self.is_done
+        carousel = carousel_pose(controller.view, self.owner)
+        place = self._place(controller, carousel, self.number)
+        if not self.is_at_rim:
+            self._walk_up(controller, carousel, place, dt)
+            return False
+        self.time += dt
+        self._walk_round(controller, carousel)
+        holding = self._push(controller, carousel)
+        if not holding and self.time > REACHING_TIME and self.turned == 0.0:
+            self.stick(f"its hands do not reach the post at {place_text(controller)}")
+        self.turned += self.sense * carousel.rate * dt if holding else 0.0
+        self.idle += dt
+        if self.turned > self.mark + 0.2 * math.pi:
+            self.idle, self.mark = 0.0, self.turned
+        if self.idle > IDLE_TIME:
+            self.failure = f"it does not turn ({carousel.rate:.2f} rad/s)"
+        if self.turned >= 2.0 * math.pi * self.turns:
+            self.is_done = True
+            self.leave(controller)
+            controller.stop()
+        return self.is_done
+
+    def _ring(self, controller: PersonController, carousel: CarouselPose) -> float:
+        """Return the distance of a pusher from the hub [m]."""
+        return carousel.radius + RIM_DISTANCE * float(controller.record.height) + RIM_CLEARANCE
+
+    def _lag(self, controller: PersonController, carousel: CarouselPose) -> float:
+        """Return the angle by which a pusher is behind its post [rad]."""
+        ring, rim = self._ring(controller, carousel), carousel.radius
+        reach = max(POST_REACH * controller.arm, ring - rim + 0.05)
+        cosine = (ring * ring + rim * rim - reach * reach) / (2.0 * ring * rim)
+        return math.acos(min(max(cosine, -1.0), 1.0))
+
+    def _place(self, controller: PersonController, carousel: CarouselPose, number: int) -> Array:
+        """Return (3,) where a pusher of a post stands [m]."""
+        lag = self.sense * self._lag(controller, carousel)
+        return carousel.place(carousel.post_angle(number) - lag, self._ring(controller, carousel))
+
+    def _walk_up(
+        self, controller: PersonController, carousel: CarouselPose, place: Array, dt: float
+    ) -> None:
+        """Go to the place behind the post."""
+        ahead = 0.5 * carousel.rate * (carousel.hub - place)
+        soon = place + np.array([ahead[2], 0.0, -ahead[0]])
+        speed = abs(carousel.rate) * self._ring(controller, carousel)
+        self.pace = min(1.4 * speed, controller.best_pace) if speed > 0.1 else 0.0
+        self.stick(self.approach.walk_to(controller, soon, 0.0, self.owner, dt), self.approach)
+        self.is_at_rim = controller.ground_distance(place) < NEAR_PLACE
+        if self.is_at_rim:
+            self.pace = 0.0
+
+    def _walk_round(self, controller: PersonController, carousel: CarouselPose) -> None:
+        """Walk after the post, facing along the round."""
+        assert self.number is not None
+        person, ring = controller.record, self._ring(controller, carousel)
+        own = carousel.angle_of(*person.at)
+        lag = self._lag(controller, carousel)
+        wanted = carousel.post_angle(self.number) - self.sense * lag
+        behind = self.sense * math.remainder(wanted - own, 2.0 * math.pi)
+        speed = self.sense * carousel.rate * ring + FOLLOW_GAIN * ring * behind
+        aim = carousel.place(own + self.sense * ROUND_LEAD, ring)
+        fastest = 1.3 * PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
+        self.pace = self.most_pace = min(max(speed, 0.0), fastest)
+        if self.most_pace > 0.05:
+            way = controller.direction_to(aim)
+            far = np.array([person.at[0], 0.0, person.at[1]]) + 2.0 * way
+            controller.go(far[0], far[2], 0.0, self.owner)
+        else:
+            controller.stop()
+        tangent = own + self.sense * (0.5 * math.pi + INWARD_TURN)
+        person.has_facing, person.facing = True, math.remainder(tangent, 2.0 * math.pi)
+
+    def _push(self, controller: PersonController, carousel: CarouselPose) -> bool:
+        """Hold the post, and push it on; tell whether a hand holds it."""
+        assert self.number is not None
+        person = controller.record
+        fastest = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
+        rate = min(WANTED_RATE, fastest / self._ring(controller, carousel))
+        rate *= min(self.time / STARTING_TIME, 1.0)
+        lag = max(rate - self.sense * carousel.rate, 0.0)
+        lead = min(LEAD_GAIN * lag, PUSH_LEAD)
+        person.brace = BRACE * lead / PUSH_LEAD
+        angle = carousel.post_angle(self.number) + self.sense * 0.5 * math.pi
+        ahead = np.array([math.cos(angle), 0.0, -math.sin(angle)])
+        foot, top = carousel.feet[self.number], carousel.tops[self.number]
+        level = float(person.floor) + PUSHING_LEVEL * float(person.height)
+        level = min(max(level, float(foot[1]) + LOWEST_LEVEL), float(top[1]) - TOP_MARGIN)
+        self.leads_hands = True
+        nodes, holds = carousel.post_nodes(self.number), False
+        for k in range(2):
+            if hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
+                controller.put_hand(k, controller.held_place(k) + lead * ahead)
+                holds = True
+        return holds
+
+    def leave(self, controller: PersonController) -> None:
+        """See `Task`."""
+        release_bars(controller, self.owner)
+        self.leads_hands = False

@@ -76,6 +76,7 @@ class Characters(Troupe):
         view = self._view()
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)
+        view.decks.start_on(self.persons)
         self.signals = SignalDetector(self.dispatcher)
         owners = [int(owner) for owner in self.persons["owner"]]
         obediences = [cast[owner].obedience for owner in owners]

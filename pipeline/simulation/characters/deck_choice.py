@@ -15,12 +15,13 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterArrays
 from pipeline.simulation.characters.deck_motion import STEEPEST_DECK
-from pipeline.simulation.characters.person_record import STANCE
+from pipeline.simulation.characters.person_record import NODE_COUNT, STANCE
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.spatial import Array
 
 NEAR_DECK = 1.5  # from the edge of a merry-go-round, within which a person heeds its deck [m]
+EDGE_ROOM = 0.15  # from the edge of a deck, farther in than which people start on it [m]
 TOP_TOLERANCE = 0.02  # of corners below the highest ones of a top, in its size
 
 
@@ -86,6 +87,34 @@ class Decks:
             stays = person.deck <= SOLID and (person.deck_wanted or _stands_on_deck(person))
             if not stays:
                 self._heed_carousel(person)
+
+    def start_on(self, persons: Sequence[Record]) -> None:
+        """Let people that start within a merry-go-round stand on its deck, and turn with it."""
+        for person in persons:
+            self._heed_carousel(person)
+            for carousel in self.carousels:
+                hub = self.arrays.nodes["p"][carousel.hub]
+                away = math.hypot(person.at[0] - hub[0], person.at[1] - hub[2])
+                if away < carousel.shape.half[0] - EDGE_ROOM and person.deck == carousel.owner:
+                    self._lift(person, carousel)
+
+    def _lift(self, person: Record, carousel: Carousel) -> None:
+        """Move a standing person from the ground up to a deck."""
+        hub, rim = self.arrays.nodes[carousel.hub], self.arrays.nodes[carousel.hub + 2]
+        rise = float(hub["p"][1] + carousel.shape.place[1] - person.floor)
+        person.floor += rise
+        for name in ("targets", "previous_targets", "ankles"):
+            person[name][:, 1] += rise
+        for name in ("stance", "liftoff", "landing"):
+            person[f"{name}_place"][:, 1] += rise
+            person[f"{name}_on_deck"][:] = 1
+        person.deck_share = 1.0
+        nodes = self.arrays.nodes[person.node : person.node + NODE_COUNT]
+        for name in ("p", "lock_place", "anchor"):
+            nodes[name][:, 1] += rise
+        arm, moved = rim["p"] - hub["p"], rim["p"] - rim["previous"]
+        turn = (arm[2] * moved[0] - arm[0] * moved[2]) / (arm[0] ** 2 + arm[2] ** 2)
+        nodes["previous"] = nodes["p"] - np.cross([0.0, turn, 0.0], nodes["p"] - hub["p"])
 
     def _heed_carousel(self, person: Record) -> None:
         x, z = float(person.at[0]), float(person.at[1])

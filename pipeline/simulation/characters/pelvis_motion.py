@@ -31,6 +31,7 @@ BRAKING_ACCELERATION = 0.08  # before a goal, in g
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
+STEP_EASE = 0.6  # at the edge of a deck
 SLOPE_FACTOR, EASIEST_SLOPE = 3.5, 0.05  # of Tobler's hiking function
 
 # How the led place follows a body that is pushed off. Offsets in leg lengths.
@@ -121,8 +122,12 @@ def _slope_slowdown(person: Record, wx: float, wz: float, ground: Grid) -> float
     ahead = 0.4 * leg_length(person) / speed
     x, z = person.at[0], person.at[1]
     frame, vertices = ground.frame, ground.vertices
-    height_behind, _, _ = support_at(person, frame, vertices, x - ahead * wx, z - ahead * wz)
-    height_ahead, _, _ = support_at(person, frame, vertices, x + ahead * wx, z + ahead * wz)
+    height_behind, _, from_deck = support_at(
+        person, frame, vertices, x - ahead * wx, z - ahead * wz
+    )
+    height_ahead, _, to_deck = support_at(person, frame, vertices, x + ahead * wx, z + ahead * wz)
+    if from_deck != to_deck:
+        return STEP_EASE
     slope = (height_ahead - height_behind) / (2.0 * ahead * speed)
     return math.exp(-0.5 * SLOPE_FACTOR * max(abs(slope + EASIEST_SLOPE) - EASIEST_SLOPE, 0.0))
 

@@ -47,6 +47,7 @@ SIZE_FACTOR = 1.12  # from the height of the nodes of a standing person to its s
 HOLD_HEIGHT = 0.6  # of a thing between two hands, in heights
 UPRIGHT_BOW, UPRIGHT_CROUCH = 0.25, 0.06  # of the trunk as a tangent, of the legs
 HAND_LEAD = 0.12  # by which hands that hold a thing are led at most [m]
+PARTING_TIME = 0.6  # in which a hand comes away from a bar that it has held [s]
 RUN_FROUDE = 1.1  # speed of the fastest run, in √(g l)
 
 NO_CIRCLES = np.zeros((0, 2)), np.zeros(0)
@@ -202,6 +203,7 @@ class PersonController:
         kicked_bodies: bodies of another room that it kicks in this step, and their velocities
             (3,) from then on [m/s].
         avoided: distance at which it keeps off targets, by name [m].
+        parting: time for which hands that have let go of bars pass through them [s].
     """
 
     name: str
@@ -212,6 +214,7 @@ class PersonController:
     touched: list[str] = field(default_factory=list)
     kicked_bodies: list[tuple[str, Array]] = field(default_factory=list)
     avoided: dict[str, float] = field(default_factory=dict)
+    parting: dict[int, float] = field(default_factory=dict)
 
     @property
     def arm(self) -> float:
@@ -353,7 +356,8 @@ class PersonController:
             node: that is held, or one end of the bar.
             bar: the node at its other end.
             share: how far along the bar, 0 to 1.
-            follows: whether the hand does not move it, as that of a person who stands on it.
+            follows: whether the hand does not move it: the feet of a person who stands on it push
+                back as much, and one who pushes it does so by `push_bar`.
         """
         hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
         if self.held_node(k) != node and nodes["owner"][node] != self.record.owner:
@@ -361,6 +365,7 @@ class PersonController:
         self.view.arrays.grips[self.record.grip + k] = hand, node
         nodes["grip_partner"][hand] = nodes["owner"][node]
         nodes["grip_partner"][node] = self.record.owner
+        self.parting.pop(k % JOINED_GRIP, None)
         nodes["grip_bar"][hand], nodes["grip_share"][hand] = bar, share
         nodes["grip_follows"][hand] = follows
         nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], self.held_place(k))
@@ -470,10 +475,30 @@ class PersonController:
 
     def _open(self, k: int) -> None:
         grip = self.view.arrays.grips[self.record.grip + k]
+        nodes = self.view.arrays.nodes
         if grip[0] >= 0:
-            self.view.arrays.nodes["grip_partner"][grip] = NOBODY
-            self.view.arrays.nodes["grip_bar"][grip[0]] = NOBODY
+            if nodes["grip_bar"][grip[0]] >= 0:
+                # An arm that met the bar at once would knock it away.
+                self.parting[k], nodes["grip_partner"][grip[1]] = PARTING_TIME, NOBODY
+            else:
+                nodes["grip_partner"][grip] = NOBODY
+            nodes["grip_bar"][grip[0]] = NOBODY
         grip[:] = NOBODY
+
+    def push_bar(self, nodes: tuple[int, int], force: Array, dt: float) -> None:
+        """Push a bar between two nodes with a force (3,) for a step [N], [s]."""
+        arrays, h = self.view.arrays, self.view.sub_step
+        for node in nodes:
+            v = 0.5 * dt * force * arrays.nodes["inverse_mass"][node]
+            arrays.nodes["previous"][node] -= h * v
+
+    def part_from_bars(self, dt: float) -> None:
+        """Let hands that have opened around bars meet them again after a while [s]."""
+        for k in list(self.parting):
+            self.parting[k] -= dt
+            if self.parting[k] <= 0.0:
+                del self.parting[k]
+                self.view.arrays.nodes["grip_partner"][self.record.node + HAND + k] = NOBODY
 
     def node_to_grip(self, owner: int, part: str | None, k: int) -> int:
         """Return the node of a character that a hand takes: by name, or the nearest one."""

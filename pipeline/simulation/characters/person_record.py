@@ -162,7 +162,7 @@ PERSON = np.dtype(
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),
-        # The deck that it may stand on: number of a merry-go-round, SOLID - s of a solid, or NOBODY;
+        # The deck that it may stand on: number of a merry-go-round, SOLID - s of a solid, or NOBODY
         # the one whose pose is known; whether a task asks for it. Middle of its top in the frame of
         # the solid, or above the hub [m]; its axes there, columns along, up and across; half
         # extents along and across, of a round one its radius twice [m].

@@ -1,7 +1,8 @@
 """Push task: walking round with a merry-go-round, hands on a post, until it has turned enough.
 
-The person stands outside the rim a little behind its post, leans against it and walks after it; its
-hands push on the post the harder the slower it turns than it should.
+The person stands outside the rim a little behind its post, leans against it and walks after it; it
+pushes the post the harder the slower that turns than it should. The push is a force of a size that
+legs can bear: hands that were tied to the post would throw it about with the weight of the body.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from pipeline.simulation.characters.person_tasks import Approach, Task, place_te
 from pipeline.simulation.characters.playthings import SPOKES
 from pipeline.simulation.characters.ride_task import hold_bar, release_bars
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.spatial import Array
 
 WANTED_RATE = 0.85  # of a turning merry-go-round [rad/s]
 PUSHING_FROUDE = 0.6  # speed of the fastest pusher, in √(g l)
 STARTING_TIME = 3.0  # in which the wanted rate grows [s]
-PUSH_LEAD = 0.08  # by which hands are led ahead of the post at most [m]
-LEAD_GAIN = 0.4  # of that lead, by the lag of the rate [m s/rad]
-RIM_DISTANCE = 0.12  # of the middle of a pusher from the rim, in heights
-RIM_CLEARANCE = 0.06  # more of it [m]
-POST_REACH = 0.8  # of its post before a pusher, in arm lengths
+PUSH_FORCE = 0.15  # at full effort, in weights of the pusher
+FULL_PUSH_LAG = 0.2  # of the rate, from which it pushes with full effort [rad/s]
+RIM_DISTANCE = 0.1  # of the middle of a pusher from the rim, in heights
+RIM_CLEARANCE = 0.05  # more of it [m]
+POST_REACH = 0.5  # of its post before a pusher, in arm lengths: a stretched arm does not push
+LEAST_LAG = 0.06  # by which a pusher is behind its post, in heights
 PUSHING_LEVEL = 0.72  # of the hands, in heights
 TOP_MARGIN = 0.05  # of the hands below the top of a post [m]
 LOWEST_LEVEL = 0.15  # of them above the foot of a post [m]
@@ -35,9 +36,12 @@ BRACE = 0.12  # tangent of the lean at full push
 INWARD_TURN = math.radians(22.0)  # of a pusher towards its post
 FOLLOW_GAIN = 2.5  # speed of a pusher beyond that of its post, by how far it is behind [1/s]
 ROUND_LEAD = 0.3  # ahead along the round to which it walks [rad]
-REACHING_TIME = 5.0  # in which hands get hold of a post [s]
-IDLE_TIME = 8.0  # without a turn of a tenth, after which it does not turn [s]
-NEAR_PLACE = 0.35  # of the person from its place at the rim, at which it takes hold [m]
+REACHING_TIME = 4.0  # in which hands get hold of a post [s]
+IDLE_TIME = 4.5  # without a turn of a tenth, after which it does not turn [s]
+NEAR_RING = 0.25  # of a person from where pushers walk, at which it takes a post [m]
+COMING_TIME = 0.3  # by which a person sees where a post will be [s]
+BACK_DISTANCE = 0.45  # from the rim to which a pusher steps back, in heights
+STEPPING_BACK_TIME = 1.2  # [s]
 TURNING_RATE = 0.1  # from which the sense of a turn counts [rad/s]
 
 
@@ -50,9 +54,9 @@ class PushRound(Task):
         turns: how far it is turned.
         number: of the post that the person has taken, None before.
         sense: 1 for turns about +Y, -1 for the other way.
-        approach: to the post.
+        approach: to the rim.
         is_at_rim: whether the person has come to the rim.
-        time: since then [s].
+        time: since it has a post [s].
         turned: angle by which it has been pushed [rad].
         idle: time since it turned by a tenth of a turn [s].
         mark: angle at that time [rad].
@@ -73,15 +77,15 @@ class PushRound(Task):
 
     @property
     def wants_slot(self) -> bool:
-        """See `Task`."""
-        return self.number is None
+        """See `Task`; posts are chosen at the rim, wherever they have turned by then."""
+        return self.is_at_rim and self.number is None
 
     def slot_distance(self, controller: PersonController) -> float:
         """See `Task`."""
         return controller.ground_distance(carousel_pose(controller.view, self.owner).hub)
 
     def take_slot(self, controller: PersonController) -> None:
-        """See `Task`."""
+        """See `Task`; it is the post that is ahead, or comes by."""
         view = controller.view
         carousel, thing = carousel_pose(view, self.owner), view.names[self.owner]
         free = view.slots.free(thing, SPOKES)
@@ -90,23 +94,26 @@ class PushRound(Task):
             return
         if abs(carousel.rate) > TURNING_RATE:
             self.sense = math.copysign(1.0, carousel.rate)
-        at = np.array(controller.record.at)
-        places = [self._place(controller, carousel, n) for n in free]
-        self.number = min(free, key=lambda n: (math.dist(at, places[free.index(n)][[0, 2]]), n))
+        own = carousel.angle_of(*controller.record.at)
+        lag = self.sense * self._lag(controller, carousel) - COMING_TIME * carousel.rate
+        offsets = [carousel.post_angle(n) - lag - own for n in free]
+        away = [abs(math.remainder(offset, 2.0 * math.pi)) for offset in offsets]
+        self.number = free[away.index(min(away))]
         view.slots.take(thing, self.number, controller.name, float(controller.record.heading))
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        if self.number is None or self.is_done:
-            return self.is_done
         carousel = carousel_pose(controller.view, self.owner)
-        place = self._place(controller, carousel, self.number)
+        if self.is_done:
+            return self._step_back(controller, carousel, dt)
         if not self.is_at_rim:
-            self._walk_up(controller, carousel, place, dt)
+            self._walk_up(controller, carousel, dt)
+            return False
+        if self.number is None:
             return False
         self.time += dt
-        self._walk_round(controller, carousel)
-        holding = self._push(controller, carousel)
+        self._walk_round(controller, carousel, self.number)
+        holding = self._push(controller, carousel, self.number, dt)
         if not holding and self.time > REACHING_TIME and self.turned == 0.0:
             self.stick(f"its hands do not reach the post at {place_text(controller)}")
         self.turned += self.sense * carousel.rate * dt if holding else 0.0
@@ -116,10 +123,24 @@ class PushRound(Task):
         if self.idle > IDLE_TIME:
             self.failure = f"it does not turn ({carousel.rate:.2f} rad/s)"
         if self.turned >= 2.0 * math.pi * self.turns:
-            self.is_done = True
+            self.is_done, self.time = True, 0.0
             self.leave(controller)
+        return False
+
+    def _step_back(self, controller: PersonController, carousel: CarouselPose, dt: float) -> bool:
+        """Step back from the posts that come by; tell whether that is done."""
+        person = controller.record
+        self.time += dt
+        self.pace, self.most_pace = 0.0, math.inf
+        if self.time < STEPPING_BACK_TIME:
+            distance = carousel.radius + BACK_DISTANCE * float(person.height)
+            place = carousel.place(carousel.angle_of(*person.at), distance)
+            controller.go(place[0], place[2], 0.0, self.owner)
+            person.has_facing, person.facing = True, person.heading
+        elif self.time < STEPPING_BACK_TIME + dt:
             controller.stop()
-        return self.is_done
+            person.has_facing = False
+        return self.time >= STEPPING_BACK_TIME and controller.is_standing
 
     def _ring(self, controller: PersonController, carousel: CarouselPose) -> float:
         """Return the distance of a pusher from the hub [m]."""
@@ -128,35 +149,25 @@ class PushRound(Task):
     def _lag(self, controller: PersonController, carousel: CarouselPose) -> float:
         """Return the angle by which a pusher is behind its post [rad]."""
         ring, rim = self._ring(controller, carousel), carousel.radius
-        reach = max(POST_REACH * controller.arm, ring - rim + 0.05)
-        cosine = (ring * ring + rim * rim - reach * reach) / (2.0 * ring * rim)
-        return math.acos(min(max(cosine, -1.0), 1.0))
+        least = LEAST_LAG * float(controller.record.height)
+        behind = math.sqrt(max((POST_REACH * controller.arm) ** 2 - (ring - rim) ** 2, 0.0))
+        return max(behind, least) / ring
 
-    def _place(self, controller: PersonController, carousel: CarouselPose, number: int) -> Array:
-        """Return (3,) where a pusher of a post stands [m]."""
-        lag = self.sense * self._lag(controller, carousel)
-        return carousel.place(carousel.post_angle(number) - lag, self._ring(controller, carousel))
+    def _walk_up(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
+        """Go to the rim."""
+        ring = self._ring(controller, carousel)
+        place = carousel.place(carousel.angle_of(*controller.record.at), ring)
+        self.stick(self.approach.walk_to(controller, place, 0.0, self.owner, dt), self.approach)
+        self.is_at_rim = carousel.distance(controller) < ring + NEAR_RING
 
-    def _walk_up(
-        self, controller: PersonController, carousel: CarouselPose, place: Array, dt: float
+    def _walk_round(
+        self, controller: PersonController, carousel: CarouselPose, number: int
     ) -> None:
-        """Go to the place behind the post."""
-        ahead = 0.5 * carousel.rate * (carousel.hub - place)
-        soon = place + np.array([ahead[2], 0.0, -ahead[0]])
-        speed = abs(carousel.rate) * self._ring(controller, carousel)
-        self.pace = min(1.4 * speed, controller.best_pace) if speed > 0.1 else 0.0
-        self.stick(self.approach.walk_to(controller, soon, 0.0, self.owner, dt), self.approach)
-        self.is_at_rim = controller.ground_distance(place) < NEAR_PLACE
-        if self.is_at_rim:
-            self.pace = 0.0
-
-    def _walk_round(self, controller: PersonController, carousel: CarouselPose) -> None:
         """Walk after the post, facing along the round."""
-        assert self.number is not None
         person, ring = controller.record, self._ring(controller, carousel)
         own = carousel.angle_of(*person.at)
         lag = self._lag(controller, carousel)
-        wanted = carousel.post_angle(self.number) - self.sense * lag
+        wanted = carousel.post_angle(number) - self.sense * lag
         behind = self.sense * math.remainder(wanted - own, 2.0 * math.pi)
         speed = self.sense * carousel.rate * ring + FOLLOW_GAIN * ring * behind
         aim = carousel.place(own + self.sense * ROUND_LEAD, ring)
@@ -171,28 +182,34 @@ class PushRound(Task):
         tangent = own + self.sense * (0.5 * math.pi + INWARD_TURN)
         person.has_facing, person.facing = True, math.remainder(tangent, 2.0 * math.pi)
 
-    def _push(self, controller: PersonController, carousel: CarouselPose) -> bool:
+    def _push(
+        self, controller: PersonController, carousel: CarouselPose, number: int, dt: float
+    ) -> bool:
         """Hold the post, and push it on; tell whether a hand holds it."""
-        assert self.number is not None
         person = controller.record
         fastest = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
         rate = min(WANTED_RATE, fastest / self._ring(controller, carousel))
         rate *= min(self.time / STARTING_TIME, 1.0)
         lag = max(rate - self.sense * carousel.rate, 0.0)
-        lead = min(LEAD_GAIN * lag, PUSH_LEAD)
-        person.brace = BRACE * lead / PUSH_LEAD
-        angle = carousel.post_angle(self.number) + self.sense * 0.5 * math.pi
+        effort = min(lag / FULL_PUSH_LAG, 1.0)
+        person.brace = BRACE * effort
+        angle = carousel.post_angle(number) + self.sense * 0.5 * math.pi
         ahead = np.array([math.cos(angle), 0.0, -math.sin(angle)])
-        foot, top = carousel.feet[self.number], carousel.tops[self.number]
+        foot, top = carousel.feet[number], carousel.tops[number]
         level = float(person.floor) + PUSHING_LEVEL * float(person.height)
         level = min(max(level, float(foot[1]) + LOWEST_LEVEL), float(top[1]) - TOP_MARGIN)
         self.leads_hands = True
-        nodes, holds = carousel.post_nodes(self.number), False
+        nodes, holds = carousel.post_nodes(number), 0
         for k in range(2):
             if hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
-                controller.put_hand(k, controller.held_place(k) + lead * ahead)
-                holds = True
-        return holds
+                controller.put_hand(k, controller.held_place(k))
+                holds += 1
+                if math.dist(controller.shoulder(k), controller.held_place(k)) > controller.arm:
+                    controller.let_go(k)
+        mass = float(controller.view.arrays.owners["mass"][person.owner])
+        if holds:
+            controller.push_bar(nodes, effort * PUSH_FORCE * mass * GRAVITY * ahead, dt)
+        return holds > 0
 
     def leave(self, controller: PersonController) -> None:
         """See `Task`."""

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.carousel_pose import (
+    GAP_TOLERANCE,
+    OUTSIDE,
     CarouselPose,
     carousel_pose,
     way_across_rim,
@@ -22,13 +24,20 @@ from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
 from pipeline.simulation.characters.pursuit_tasks import CLOSING_RATE
-from pipeline.simulation.characters.seat_task import Bench, bench_of
+from pipeline.simulation.characters.seat_task import (
+    NEIGHBOUR_SPACE,
+    SEAT_PITCH,
+    Bench,
+    bench_of,
+)
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.spatial import Array
 
-BOARDING_SPEED = 0.7  # of the rim of a merry-go-round, above which nobody steps on [m/s]
-BOARDING_PATIENCE = 8.0  # of a person that waits until it turns more slowly [s]
-STEPPING_TIME = 6.0  # without coming nearer to its place on a deck [s]
+BOARDING_SPEED = 0.6  # of the rim of a merry-go-round, above which nobody steps on [m/s]
+BOARDING_PATIENCE = 5.0  # of a person that waits until it turns more slowly [s]
+COMING_TIME = 0.4  # by which a person sees where a gap between posts will be [s]
+STILL_RATE = 0.08  # of a merry-go-round below which a person goes to the gap [rad/s]
+STEPPING_TIME = 5.0  # without coming nearer to its place on a deck [s]
 HOLDING_REACH = 0.62  # of a post before a rider, in arm lengths
 HOLDING_LEVEL = 0.35  # of hands on a post below the shoulders, in arm lengths
 LOWEST_LEVEL = 0.9  # below which no hand reaches down from upright shoulders, in arm lengths
@@ -78,6 +87,7 @@ class Ride(Task):
         left = controller.ground_distance(place)
         if left > AT_PLACE:
             controller.go(place[0], place[2], 0.0, controller.view.owner(self.target))
+            controller.record.neighbour_distance = NEIGHBOUR_SPACE * SEAT_PITCH
         if self.progress.update(left, dt) > STEPPING_TIME:
             self.stick(f"the way is blocked at {place_text(controller)}, {left:.1f} m from it")
         return left
@@ -101,6 +111,11 @@ class RideCarousel(Ride):
     gap: float | None = field(default=None, init=False)
     is_aboard: bool = field(default=False, init=False)
 
+    @property
+    def wants_slot(self) -> bool:
+        """See `Task`; posts are chosen on the deck, wherever that has turned by then."""
+        return self.is_aboard and self.number is None
+
     def slot_distance(self, controller: PersonController) -> float:
         """See `Task`."""
         return controller.ground_distance(carousel_pose(controller.view, self.owner).hub)
@@ -114,41 +129,60 @@ class RideCarousel(Ride):
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        if self.number is None:
-            return False
         carousel = carousel_pose(controller.view, self.owner)
         if self.is_there:
             self._hold_on(controller, carousel, dt)
             self.is_lost = controller.record.deck_share < LOST_DECK
             return self.held > HOLDING_TIME
-        post = carousel.post_angle(self.number)
-        if self.gap is None:
-            here = carousel.angle_of(*controller.record.at)
-            side = math.copysign(0.4, math.remainder(here - post, 2.0 * math.pi))
-            self.gap = carousel.gap_angle(post + side) - carousel.angle
-        gap = carousel.angle + self.gap
-        inner = carousel.radius - HOLDING_REACH * controller.arm
-        way = None if self.is_aboard else way_across_rim(controller, carousel, gap, inner)
-        if way is None:
-            self.is_aboard = True
-            place = carousel.place(post, inner)
-            self.is_there = self._step(controller, place, dt) < AT_PLACE
-            if self.is_there:
-                controller.stop()
-        elif controller.record.deck_share > 0.0 or self._is_before_gap(controller, carousel, gap):
-            if self._may_board(controller, carousel, dt):
-                self._step(controller, way, dt)
-        else:
-            reason = self.approach.walk_to(controller, way, 0.0, self.owner, dt)
+        if self.is_aboard:
+            if self.number is not None:
+                self._go_to_post(controller, carousel, self.number, dt)
+            return False
+        if controller.record.deck_share == 0.0 and not self._is_at_rim(controller, carousel):
+            own = carousel.angle_of(*controller.record.at)
+            place = carousel.place(own, carousel.radius + controller.body_radius + OUTSIDE)
+            reason = self.approach.walk_to(controller, place, 0.0, self.owner, dt)
             self.stick(reason, self.approach)
+        elif self._may_board(controller, carousel, dt):
+            self._step_on(controller, carousel, dt)
         return False
 
-    def _is_before_gap(
-        self, controller: PersonController, carousel: CarouselPose, gap: float
-    ) -> bool:
-        """Tell whether a person stands outside, before the gap."""
-        off = math.remainder(gap - carousel.angle_of(*controller.record.at), 2.0 * math.pi)
-        return abs(off) < 0.5 and carousel.distance(controller) < carousel.radius + 0.8
+    def _is_at_rim(self, controller: PersonController, carousel: CarouselPose) -> bool:
+        """Tell whether a person stands near the rim."""
+        rim = carousel.radius + controller.body_radius + OUTSIDE
+        return carousel.distance(controller) < rim + 0.15
+
+    def _step_on(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
+        """Step through the gap that is there, or that comes by."""
+        own = carousel.angle_of(*controller.record.at)
+        if controller.record.deck_share == 0.0 and not controller.record.stepping:
+            self.gap = None
+        if self.gap is None:
+            near = carousel.gap_angle(own - COMING_TIME * carousel.rate)
+            off = math.remainder(near + COMING_TIME * carousel.rate - own, 2.0 * math.pi)
+            if abs(off) < GAP_TOLERANCE or abs(carousel.rate) < STILL_RATE:
+                self.gap = near - carousel.angle
+        if self.gap is None:
+            controller.face_to(carousel.hub)
+            return
+        gap = carousel.angle + self.gap
+        self.pace = abs(carousel.rate) * carousel.radius + CLOSING_RATE
+        way = way_across_rim(controller, carousel, gap, 0.0)
+        self.is_aboard = way is None
+        if way is None:
+            self.pace, self.progress = 0.0, TaskProgress()
+        else:
+            self._step(controller, way, dt)
+
+    def _go_to_post(
+        self, controller: PersonController, carousel: CarouselPose, number: int, dt: float
+    ) -> None:
+        """Go to the place inside the post."""
+        inner = carousel.radius - HOLDING_REACH * controller.arm
+        place = carousel.place(carousel.post_angle(number), inner)
+        self.is_there = self._step(controller, place, dt) < AT_PLACE
+        if self.is_there:
+            controller.stop()
 
     def _may_board(self, controller: PersonController, carousel: CarouselPose, dt: float) -> bool:
         """Tell whether it turns slowly enough to step on, or give up waiting."""
@@ -177,7 +211,10 @@ class RideCarousel(Ride):
         self.leads_hands = True
         nodes = carousel.post_nodes(self.number)
         for k in range(2):
-            if hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
+            is_late = self.held > HOLDING_TIME and not controller.is_holding(k)
+            if is_late:
+                controller.record.arm_mode[k] = SWINGING
+            elif hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
                 controller.put_hand(k, controller.held_place(k))
 
     def leave(self, controller: PersonController) -> None:
@@ -209,8 +246,7 @@ def hold_bar(
     place = (1.0 - share) * low + share * high
     controller.put_hand(k, place)
     if math.dist(controller.hand(k), place) < CLOSING * controller.record.height:
-        follows = float(controller.record.deck_share) > 0.0
-        controller.grip(k, nodes[0], nodes[1], share, follows)
+        controller.grip(k, nodes[0], nodes[1], share, follows=True)
     return False
 
 
@@ -285,10 +321,9 @@ class RideSolid(Ride):
         if reason := view.decks.board_solid(person, self.target):
             return reason
         person.deck_wanted = True
-        rise = self._rise(controller)
         highest = HIGHEST_STEP * float(person.hip_height)
-        is_known = person.known_deck == person.deck and person.deck_share == 0.0
-        if is_known and rise > highest:
+        is_beside = person.known_deck == person.deck and person.deck_share == 0.0
+        if is_beside and (rise := self._rise(controller)) > highest:
             return f"too high to step on: {rise:.2f} m, steps up {highest:.2f} m"
         return ""
 

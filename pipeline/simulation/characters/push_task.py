@@ -37,6 +37,7 @@ LOWEST_LEVEL = 0.15  # of them above the foot of a post [m]
 HANDS_APART = 0.07  # on a post [m]
 BRACE = 0.12  # tangent of the lean at full push
 INWARD_TURN = math.radians(22.0)  # of a pusher towards its post
+FAR_HAND_TURN = math.radians(50.0)  # of one whose only free hand is on the other side
 FOLLOW_GAIN = 2.5  # speed of a pusher beyond that of its post, by how far it is behind [1/s]
 ROUND_LEAD = 0.3  # ahead along the round to which it walks [rad]
 REACHING_TIME = 4.0  # in which hands get hold of a post [s]
@@ -95,6 +96,8 @@ class PushRound(Task):
         if not free:
             self.failure = f"all {SPOKES} posts are taken"
             return
+        # The merry-go-round is on the left of those who push it about +Y.
+        self.sense = -1.0 if self._free_hands(controller) == (1,) else 1.0
         if abs(carousel.rate) > TURNING_RATE:
             self.sense = math.copysign(1.0, carousel.rate)
         own = carousel.angle_of(*controller.record.at)
@@ -159,6 +162,11 @@ class PushRound(Task):
         behind = math.sqrt(max(reach * reach - (ring - rim) ** 2, 0.0))
         return max(behind, least) / ring
 
+    def _free_hands(self, controller: PersonController) -> tuple[int, ...]:
+        """Return the hands that hold nothing else than a post."""
+        posts = controller.hands_holding(controller.view.names[self.owner])
+        return tuple(k for k in range(2) if k in posts or not controller.is_holding(k))
+
     def _level(self, controller: PersonController, carousel: CarouselPose) -> float:
         """Return the height at which a pusher holds a post [m]."""
         level = float(controller.record.floor) + PUSHING_LEVEL * float(controller.record.height)
@@ -191,7 +199,9 @@ class PushRound(Task):
             controller.go(far[0], far[2], 0.0, self.owner)
         else:
             controller.stop()
-        tangent = own + self.sense * (0.5 * math.pi + INWARD_TURN)
+        far_hand = (1,) if self.sense > 0.0 else (0,)
+        inward = FAR_HAND_TURN if self._free_hands(controller) == far_hand else INWARD_TURN
+        tangent = own + self.sense * (0.5 * math.pi + inward)
         person.has_facing, person.facing = True, math.remainder(tangent, 2.0 * math.pi)
 
     def _push(

@@ -209,7 +209,9 @@ class Characters(Troupe):
         self.move()
         self._roll_balls(before)
         world, people = self.world, (self._names, self._masses)
-        steps = footfalls(self.persons, *people, world.ground, world.clock, step)
+        steps = footfalls(
+            self.persons, *people, world.ground, world.clock, step, self.contact_reporter
+        )
         voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
         self._facts = replace(

@@ -186,6 +186,12 @@ def top_of(corners: Array, R: Array) -> DeckShape | None:
     return DeckShape(place, turn, (float(half[along]), float(half[across])), False)
 
 
+def deck_height(person: Record, x: float, z: float) -> float:
+    """Return the height of the plane of a person's deck at a position [m]."""
+    middle, up = person.deck_middle, person.deck_axes[:, 1]
+    return float(middle[1] - (up[0] * (x - middle[0]) + up[2] * (z - middle[2])) / up[1])
+
+
 def _stands_on_deck(person: Record) -> bool:
     """Tell whether a foot stands on the deck, or will."""
     return any(

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
-from pipeline.simulation.characters.deck_choice import Decks
+from pipeline.simulation.characters.deck_choice import Decks, deck_height
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
@@ -287,6 +287,11 @@ class PersonController:
     def shoulder(self, k: int) -> Array:
         """Return (3,) the place of a shoulder [m]."""
         return self.view.p[self.record.node + SHOULDER + k]
+
+    def floor_height(self, x: float, z: float) -> float:
+        """Return the height of the ground, or of the deck that the person stands on [m]."""
+        is_on_deck = float(self.record.deck_share) > 0.5
+        return deck_height(self.record, x, z) if is_on_deck else self.view.ground_height(x, z)
 
     def waist(self) -> Array:
         """Return (3,) the middle of the body as it is led [m]."""

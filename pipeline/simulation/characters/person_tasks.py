@@ -287,7 +287,7 @@ class SitDown(Task):
             back = 0.6 * (person.thigh + person.shin)
             x = person.at[0] - back * math.cos(person.heading)
             z = person.at[1] + back * math.sin(person.heading)
-            height = controller.view.ground_height(x, z) + SEAT_HEIGHT * person.height
+            height = controller.floor_height(x, z) + SEAT_HEIGHT * person.height
             person.seat[:] = back, height, -0.06
             person.has_goal, person.has_facing, person.posture = False, False, SITTING
             self.time += dt

@@ -20,6 +20,7 @@ from pipeline.simulation.characters.carousel_pose import (
     way_across_rim,
 )
 from pipeline.simulation.characters.contact_tasks import shoulder_height
+from pipeline.simulation.characters.deck_choice import deck_height
 from pipeline.simulation.characters.deck_motion import HIGHEST_STEP
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
@@ -346,9 +347,7 @@ class RideSolid(Ride):
         """Return how high the deck is above the feet at the person's place on it [m]."""
         person, top = controller.record, self._top(controller)
         place = top.place(top.seat_offset(self.number or 0), 0.0)
-        middle, up = person.deck_middle, person.deck_axes[:, 1]
-        away = place - middle
-        return float(middle[1] - person.floor - (up[0] * away[0] + up[2] * away[2]) / up[1])
+        return deck_height(person, place[0], place[2]) - float(person.floor)
 
     def leave(self, controller: PersonController) -> None:
         """See `Task`."""

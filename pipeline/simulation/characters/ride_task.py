@@ -279,7 +279,13 @@ def release_bars(controller: PersonController, owner: int) -> None:
 
 @dataclass
 class RideSolid(Ride):
-    """Step onto the top of a member of another room, and stand there."""
+    """Step onto the top of a member of another room, and stand there.
+
+    Attributes:
+        spot: (3,) the person's place in the frame of the deck, None before it is known [m].
+    """
+
+    spot: Array | None = field(default=None, init=False)
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -315,8 +321,7 @@ class RideSolid(Ride):
         if self.is_there:
             self.is_lost = person.deck_share < LOST_DECK
             return True
-        top = self._top(controller)
-        place = top.place(top.seat_offset(self.number), 0.0)
+        place = self._place(controller)
         if person.deck_share > 0.0:
             self.pace = 0.0
             left = self._step(controller, place, dt)
@@ -343,10 +348,22 @@ class RideSolid(Ride):
             return f"too high to step on: {rise:.2f} m, steps up {highest:.2f} m"
         return ""
 
+    def _place(self, controller: PersonController) -> Array:
+        """Return (3,) the person's place on the deck [m]."""
+        person = controller.record
+        if self.spot is None:
+            top = self._top(controller)
+            place = top.place(top.seat_offset(self.number or 0), 0.0)
+            if person.known_deck == person.deck:
+                self.spot = person.deck_axes.T @ (place - person.deck_middle)
+                self.spot[1] = 0.0
+            return place
+        place = person.deck_middle + person.deck_axes @ self.spot
+        return place
+
     def _rise(self, controller: PersonController) -> float:
         """Return how high the deck is above the feet at the person's place on it [m]."""
-        person, top = controller.record, self._top(controller)
-        place = top.place(top.seat_offset(self.number or 0), 0.0)
+        person, place = controller.record, self._place(controller)
         return deck_height(person, place[0], place[2]) - float(person.floor)
 
     def leave(self, controller: PersonController) -> None:

@@ -35,6 +35,8 @@ PUSHING_LEVEL = 0.72  # of the hands, in heights
 TOP_MARGIN = 0.05  # of the hands below the top of a post [m]
 LOWEST_LEVEL = 0.15  # of them above the foot of a post [m]
 HANDS_APART = 0.07  # on a post [m]
+UPRIGHT_REACH = 0.8  # of hands below the shoulders without a bow, in arm lengths
+LONGEST_STRETCH = 1.08  # of an arm, from which its hand lets go of the post
 BRACE = 0.12  # tangent of the lean at full push
 INWARD_TURN = math.radians(22.0)  # of a pusher towards its post
 FAR_HAND_TURN = math.radians(50.0)  # of one whose only free hand is on the other side
@@ -171,7 +173,14 @@ class PushRound(Task):
         """Return the height at which a pusher holds a post [m]."""
         level = float(controller.record.floor) + PUSHING_LEVEL * float(controller.record.height)
         lowest = float(carousel.feet[0, 1]) + LOWEST_LEVEL
-        return min(max(level, lowest), float(carousel.tops[0, 1]) - TOP_MARGIN)
+        top = float(carousel.tops[0, 1])
+        # Tall people hold the very top.
+        highest = max(top - TOP_MARGIN, min(top, self._upright_level(controller)))
+        return min(max(level, lowest), highest)
+
+    def _upright_level(self, controller: PersonController) -> float:
+        """Return the height to which hands reach down without a bow [m]."""
+        return shoulder_height(controller) - UPRIGHT_REACH * controller.arm
 
     def _walk_up(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Go to the rim."""
@@ -222,13 +231,18 @@ class PushRound(Task):
         angle = carousel.post_angle(number) + self.sense * 0.5 * math.pi
         ahead = np.array([math.cos(angle), 0.0, -math.sin(angle)])
         level = self._level(controller, carousel)
-        self.leads_hands = True
+        self.leads_hands, upright = True, self._upright_level(controller)
         nodes, holds = carousel.post_nodes(number), 0
         for k in range(2):
-            if hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
-                controller.put_hand(k, controller.held_place(k))
+            own = level if k == 0 else max(level - HANDS_APART, min(level, upright))
+            if hold_bar(controller, k, nodes, own, self.owner):
+                place = controller.held_place(k).copy()
+                # Who bows to push would walk with bent knees.
+                place[1] = max(float(place[1]), upright)
+                controller.put_hand(k, place)
                 holds += 1
-                if math.dist(controller.shoulder(k), controller.held_place(k)) > controller.arm:
+                stretch = math.dist(controller.shoulder(k), controller.held_place(k))
+                if stretch > LONGEST_STRETCH * controller.arm:
                     controller.let_go(k)
         mass = float(controller.view.arrays.owners["mass"][person.owner])
         if holds:

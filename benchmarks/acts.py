@@ -269,6 +269,49 @@ def push(act: Act) -> None:
     act.order("a", f"grapple: {act.name('b')}")
 
 
+def _add_carousel(act: Act) -> None:
+    """Add a merry-go-round that stands, or turns slowly already."""
+    spin = act.rng.choice([-25.0, 0.0, 0.0, 25.0])
+    turn = act.rng.uniform(0.0, 45.0)
+    more = f"scale: {act.rng.uniform(0.9, 1.1):.2f}, heading_deg: {turn:.0f}"
+    act.add("c", f"character: merry-go-round, {more}, spin_deg: [0, {spin:.0f}, 0]")
+
+
+def ride(act: Act) -> None:
+    """Step onto a merry-go-round, one or two, or onto a platform that moves."""
+    owns = "ab" if act.rng.random() < 0.4 else "a"
+    if act.rng.random() < 0.7:
+        _add_carousel(act)
+    else:
+        x, z = act.somewhere(0.5, 1.5)
+        size = f"[{act.rng.uniform(1.2, 2.0):.2f}, 0.2, 1.1]"
+        keys = f"{{at: 6, position: {act.place(0.0, 0.0, 0.1)}}}"
+        keys += f", {{at: 13, position: {act.place(x, z, 0.1)}}}"
+        act.add("c", f"prop: {{shape: box, size: {size}}}, keyframes: [{keys}]", 0.1)
+    for k, own in enumerate(owns):
+        act.add_person(own, act.somewhere(2.2, 3.5))
+        act.order(own, f"ride: {act.name('c')}", at=START + k * act.rng.uniform(0.0, 1.0))
+    names = [act.name(own) for own in owns]
+    act.holds = lambda people: all(float(people[n].record.deck_share) > 0.5 for n in names)
+
+
+def push_round(act: Act) -> None:
+    """Push a merry-go-round, one to three, with or without a rider."""
+    count, has_rider = int(act.rng.integers(1, 4)), act.rng.random() < 0.4
+    _add_carousel(act)
+    turns = act.rng.uniform(0.3, 0.6)
+    for k in range(count):
+        turn = 2.0 * math.pi * (k + act.rng.uniform(0.1, 0.9)) / count
+        far = act.rng.uniform(2.2, 3.2)
+        own = "pqs"[k]
+        act.add_person(own, (far * math.cos(turn), far * math.sin(turn)))
+        at = START + act.rng.uniform(0.0, 1.0)
+        act.order(own, f"push: {act.name('c')}, turns: {turns:.2f}", at=at)
+    if has_rider:
+        act.add_person("a", act.somewhere(3.3, 3.8))
+        act.order("a", f"ride: {act.name('c')}", at=0.0)
+
+
 def reach(act: Act) -> None:
     """Hold a hand out to a person near by or too far away."""
     act.add_person("a", act.somewhere(0.35, 0.8))
@@ -336,6 +379,8 @@ KINDS: dict[str, tuple[Callable[[Act], None], float]] = {
     "carry by two": (carry_by_two, 24.0),
     "sit": (sit, 16.0),
     "push": (push, SECONDS),
+    "ride": (ride, 16.0),
+    "push round": (push_round, 20.0),
     "reach": (reach, SECONDS),
     "hug": (hug, LET_GO_TIME + ARMS_DOWN_TIME),
     "hug lost": (hug_lost, SECONDS),

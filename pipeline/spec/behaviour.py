@@ -13,7 +13,7 @@ from pydantic import Field
 
 from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, Positive, keyed_union
 from pipeline.spec.suggestions import decided_by_key
-from pipeline.spec.targets import BALL, CHARACTER, JOINTED_CHARACTER, TargetKind
+from pipeline.spec.targets import BALL, CAROUSEL, CHARACTER, JOINTED_CHARACTER, TargetKind
 
 Part = Annotated[Number, Field(ge=0, le=1)]
 
@@ -76,6 +76,13 @@ class Push(Urge):
 
     target = CHARACTER
     push: Name = Field(description="The thing, a character.")
+
+
+class Ride(Urge):
+    """Steps onto a merry-go-round and rides on it for a while."""
+
+    target = CAROUSEL
+    ride: Name = Field(description="The merry-go-round, a character.")
 
 
 class Fight(Urge):
@@ -147,6 +154,7 @@ FORMS: Mapping[str, type[Urge]] = {
     "wander": Wander,
     "rest": SitDown,
     "freeze": Freeze,
+    "ride": Ride,
 }
 """Behaviours by the key that selects them."""
 

@@ -227,6 +227,19 @@ class SitOn(ConfigModel):
     sit: Name = Field(description="On what: a bench or a box.")
 
 
+class Ride(ConfigModel):
+    """Step onto something that moves, and stay on it until another order."""
+
+    ride: Name = Field(description="On what: a merry-go-round, or what has a flat top.")
+
+
+class PushRound(ConfigModel):
+    """Push a merry-go-round round."""
+
+    push: Name = Field(description="Which merry-go-round.")
+    turns: Annotated[Positive, Field(le=1000)] = Field(2.0, description="How many turns.")
+
+
 class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
@@ -285,6 +298,8 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "hug": Hug,
     "grapple": Grapple,
     "sit": SitOn,
+    "ride": Ride,
+    "push": PushRound,
     "urge": SetUrges,
     "express": Express,
     "dance": Perform,

@@ -63,6 +63,12 @@ SEAT = TargetKind(
     "a bench or a box",
     frozenset({"box", "cube", "brick", "cylinder"}),
 )
+RIDEABLE = TargetKind(
+    frozenset({"merry-go-round", "prop", "body"}),
+    "a merry-go-round, or a prop or a body with a flat top",
+    frozenset({"box", "cube", "brick", "cylinder"}),
+)
+CAROUSEL = TargetKind(frozenset({"merry-go-round"}), "a merry-go-round")
 OBSTACLE = TargetKind(ANYBODY.kinds, "a prop, a body or a creature")
 
 

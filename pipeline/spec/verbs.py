@@ -13,10 +13,12 @@ from pipeline.spec.partial_scene import value_at
 from pipeline.spec.targets import (
     ANYBODY,
     ANYTHING,
+    CAROUSEL,
     GRASPABLE,
     JOINTED_CHARACTER,
     MOVABLE,
     OBSTACLE,
+    RIDEABLE,
     SEAT,
     TargetKind,
 )
@@ -124,6 +126,10 @@ VERBS: Mapping[str, Verb] = {
         "go to somebody and shove", (PERSON,), {"grapple": JOINTED_CHARACTER}, ends=True
     ),
     "sit": Verb("sit down, on the ground or on something", (PERSON,), {"sit": SEAT}, ends=True),
+    "ride": Verb(
+        "step onto something that moves and stay on it", (PERSON,), {"ride": RIDEABLE}, ends=True
+    ),
+    "push": Verb("push a merry-go-round round", (PERSON,), {"push": CAROUSEL}, ends=True),
     "stand": Verb("stand up", (PERSON,), ends=True),
     "freeze": Verb("keep quite still until another order", (PERSON, DANCER)),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+from pipeline.simulation.characters.deck_motion import clear_of_edge, support_at
 from pipeline.simulation.characters.gait_timing import (
     gait_pace,
     ground_speed,
@@ -26,7 +27,6 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.terrain_grid import surface_at
 from pipeline.simulation.dynamics.vectors import Vector, plus, put, row, triple
 from pipeline.simulation.spatial import Array
 
@@ -157,6 +157,7 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.liftoff_yaw[k] = person.yaw[k]
     person.liftoff_pitch[k] = person.pitch[k]
     person.liftoff_heading[k] = person.heading
+    person.liftoff_on_deck[k] = person.stance_on_deck[k]
     other_foot = _other_ankle(person, k)
     person.pivot[k, 0], person.pivot[k, 1] = other_foot[0], other_foot[2]
     person.swing_height[k] = 0.0
@@ -199,7 +200,9 @@ def _choose_landing(
     x, z = x + shift * right_x, z + shift * right_z
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
-    y, _ = surface_at(frame, vertices, x, z)
+    x, z = clear_of_edge(person, x, z)
+    y, _, is_on_deck = support_at(person, frame, vertices, x, z)
+    person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
         x,
         y + person.ankle,
@@ -227,7 +230,7 @@ def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) 
     for i in range(1, 6):
         u = i / 6.0
         x, y, z = a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])
-        ground, _ = surface_at(frame, vertices, x, z)
+        ground, _, _ = support_at(person, frame, vertices, x, z)
         need = (ground + person.ankle + 0.5 * clear - y) / (4.0 * u * (1.0 - u))
         clear = max(clear, need)
     person.swing_height[k] = max(person.swing_height[k], min(clear, 0.6 * leg_length(person)))
@@ -330,6 +333,7 @@ def _swing(
         person.touchdown_time[k] = person.report_time
         person.touchdown_speed[k] = 3.0 * person.swing_height[k] * rate / (1.0 - stance)
         person.stance_place[k] = person.landing_place[k]
+        person.stance_on_deck[k] = person.landing_on_deck[k]
         person.yaw[k] = person.landing_yaw[k]
         return
     if u < 0.75:
@@ -341,7 +345,7 @@ def _swing(
         * (1.0 - run_blend(ground_speed(person), leg_length(person)))
     )
     landing = row(person.landing_place, k)
-    slope = slope_along(frame, vertices, landing, person.landing_yaw[k])
+    slope = slope_along(person, frame, vertices, landing, person.landing_yaw[k])
     end = plus(landing, ankle_offset(person, person.landing_yaw[k], toes, slope))
     person.ankles[k, 0], person.ankles[k, 2] = _detoured(person, k, end, u, s)
     person.ankles[k, 1] = (1.0 - s) * person.liftoff_place[k, 1] + s * end[1]
@@ -372,7 +376,7 @@ def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array
     else:
         person.pitch[k] = pitch
     stood = row(person.stance_place, k)
-    slope = slope_along(frame, vertices, stood, person.yaw[k])
+    slope = slope_along(person, frame, vertices, stood, person.yaw[k])
     offset = ankle_offset(person, person.yaw[k], person.pitch[k], slope)
     put(person.ankles, k, plus(stood, offset))
 
@@ -395,9 +399,9 @@ def _heel_obstruction(person: Record, k: int) -> float:
 
 
 @compiled
-def slope_along(frame: Record, vertices: Array, place: Vector, yaw: float) -> float:
-    """Return the slope of the ground along a foot, upward [rad]."""
-    _, n = surface_at(frame, vertices, place[0], place[2])
+def slope_along(person: Record, frame: Record, vertices: Array, place: Vector, yaw: float) -> float:
+    """Return the slope of the ground or the deck along a foot, upward [rad]."""
+    _, n, _ = support_at(person, frame, vertices, place[0], place[2])
     return math.atan2(n[2] * math.sin(yaw) - n[0] * math.cos(yaw), n[1])
 
 

@@ -69,6 +69,12 @@ NODE = np.dtype(
         ("grip_gap", "f8"),
         # Distance at which it holds what it grips: the radius of a ball [m].
         ("grip_length", "f8"),
+        # Node at the other end of a bar that it holds, or NOBODY; how far along the bar, 0 to 1.
+        ("grip_bar", "i8"),
+        ("grip_share", "f8"),
+        # Whether the hand follows what it holds without moving it, as that of a rider, whose feet
+        # push back as much as its hands push.
+        ("grip_follows", "?"),
         # Whether it runs on a level bearing, at the height of its lock place.
         ("on_bearing", "?"),
     ],
@@ -87,6 +93,8 @@ LINK = np.dtype(
         ("owner", "i8"),
         # Whether it belongs to an arm, which passes through those of an embraced character.
         ("is_arm", "?"),
+        # Whether people who stand on its owner stand above it, and do not touch it.
+        ("is_deck", "?"),
         # The touched link, or NOBODY, TERRAIN, SOLID - k; and its owner, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),
@@ -134,6 +142,8 @@ OWNER = np.dtype(
         ("active", "?"),
         # Owner around whom its arms are put, or NOBODY.
         ("embraces", "i8"),
+        # Merry-go-round whose deck it may stand on, or NOBODY.
+        ("stands_on", "i8"),
         # Whether it acts, and never sleeps; whether it sleeps; time since rest was measured [s],
         # and number of measurements without much movement; speed of its fastest node [m/s].
         ("acts", "?"),

@@ -31,6 +31,7 @@ class Link(NamedTuple):
         longest: likewise the greatest.
         damping: of one end against the other [1/s].
         is_arm: whether it belongs to an arm.
+        is_deck: whether people who stand on the thing stand above it, and do not touch it.
     """
 
     ends: tuple[int, int]
@@ -39,6 +40,7 @@ class Link(NamedTuple):
     longest: float | None = None
     damping: float = 0.0
     is_arm: bool = False
+    is_deck: bool = False
 
 
 class BodyPlan(NamedTuple):
@@ -109,7 +111,7 @@ def _nodes(plans: Sequence[BodyPlan], places: Sequence[Array], links: RecordArra
     nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
     nodes["air_damping"] = np.repeat([plan.air_damping for plan in plans], counts)
     nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
-    nodes["grip_partner"] = NOBODY
+    nodes["grip_partner"] = nodes["grip_bar"] = NOBODY
     for plan, start in zip(plans, _starts(counts), strict=True):
         nodes["on_bearing"][[start + k for k in plan.bearing_nodes]] = True
     # A node touches the ground as the last touchable link that ends there.
@@ -127,7 +129,7 @@ def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
     links["ends"] = _renumbered(ends, node_starts, 2)
     limits = [_length_limits(plan, link) for plan, link in planned]
     links["length_limits"] = np.array(limits).reshape(-1, 2)
-    for name in ("radius", "damping", "is_arm"):
+    for name in ("radius", "damping", "is_arm", "is_deck"):
         links[name] = [getattr(link, name) for _, link in planned]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
     links["touched"] = links["touched_owner"] = links["recent"] = NOBODY
@@ -149,7 +151,7 @@ def _owners(plans: Sequence[BodyPlan], node_starts: IntArray, link_starts: IntAr
     for name in ("friction", "bounciness", "ground_damping", "pain_threshold", "edge_radius"):
         owners[name] = [getattr(plan, name) for plan in plans]
     owners["on_bearing"] = [bool(plan.bearing_nodes) for plan in plans]
-    owners["embraces"] = NOBODY
+    owners["embraces"] = owners["stands_on"] = NOBODY
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners
 

@@ -128,9 +128,19 @@ def find_link_pairs(
                 continue
             in_arms = hug and (balls[0] or links[a].is_arm)
             for b in range(other.links[0], other.links[0] + other.links[1]):
-                if links[b].radius > 0.0 and not (in_arms and (balls[1] or links[b].is_arm)):
+                if links[b].radius == 0.0 or _stands_over(owners, links[a], links[b]):
+                    continue
+                if not (in_arms and (balls[1] or links[b].is_arm)):
                     found = _keep_pair(nodes, links, (a, b), pairs, found)
     return found
+
+
+@inlined
+def _stands_over(owners: Records, one: Record, other: Record) -> bool:
+    """Tell whether the owner of one of two links stands on the other link, as on a deck."""
+    return (one.is_deck and owners[other.owner].stands_on == one.owner) or (
+        other.is_deck and owners[one.owner].stands_on == other.owner
+    )
 
 
 @inlined

@@ -76,6 +76,7 @@ class Characters(Troupe):
         view = self._view()
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)
+        view.decks.start_on(self.persons)
         self.signals = SignalDetector(self.dispatcher)
         owners = [int(owner) for owner in self.persons["owner"]]
         obediences = [cast[owner].obedience for owner in owners]
@@ -163,6 +164,7 @@ class Characters(Troupe):
         self.contact_reporter.solids = self.solid_tracker.obstacles
         self.obstacle_circles.set_solids(self.solid_tracker.solids.bodies)
         self.dispatcher.view.body_masses.update(self.solid_tracker.masses())
+        self.dispatcher.view.decks.tracker = self.solid_tracker
         return self.solid_tracker.obstacles
 
     def update_obstacles(self, motion: SolidMotion) -> None:
@@ -207,7 +209,9 @@ class Characters(Troupe):
         self.move()
         self._roll_balls(before)
         world, people = self.world, (self._names, self._masses)
-        steps = footfalls(self.persons, *people, world.ground, world.clock, step)
+        steps = footfalls(
+            self.persons, *people, world.ground, world.clock, step, self.contact_reporter
+        )
         voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
         self._facts = replace(

@@ -13,7 +13,7 @@ import math
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.limb_limits import limit_limb, place_joint
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
-from pipeline.simulation.dynamics.vectors import length, minus, triple
+from pipeline.simulation.dynamics.vectors import Vector, length, minus, plus, times, triple
 
 LENGTH_TOLERANCE = 2e-3  # relative error of a link at which iteration stops
 MAX_ITERATIONS = 40
@@ -70,6 +70,12 @@ def close_grips(nodes: Records, grips: IntArray, h: float) -> None:
 
 
 @inlined
+def place_on_bar(one: Record, other: Record, t: float) -> Vector:
+    """Return the place at a fraction of the way from one node to another [m]."""
+    return plus(times(1.0 - t, triple(one.p)), times(t, triple(other.p)))
+
+
+@inlined
 def project_grips(nodes: Records, grips: IntArray) -> float:
     """Bring together nodes held by a grip: links of length zero.
 
@@ -81,16 +87,24 @@ def project_grips(nodes: Records, grips: IntArray) -> float:
         if grips[n, 0] < 0 or grips[n, 1] < 0:
             continue
         one, other = nodes[grips[n, 0]], nodes[grips[n, 1]]
-        mobility = one.mobility + other.mobility
-        distance = length(minus(triple(one.p), triple(other.p)))
+        # A bar is held between its ends; a node is a bar of which only this end counts.
+        far = nodes[one.grip_bar] if one.grip_bar >= 0 else other
+        t = one.grip_share if one.grip_bar >= 0 else 0.0
+        yields = 0.0 if one.grip_follows else 1.0
+        held = yields * ((1.0 - t) ** 2 * other.mobility + t * t * far.mobility)
+        mobility = one.mobility + held
+        offset = minus(triple(one.p), place_on_bar(other, far, t))
+        distance = length(offset)
         if distance <= one.grip_gap or mobility == 0.0:
             continue
         largest = max(largest, distance - one.grip_gap)
         share = (distance - one.grip_gap) / (distance * mobility)
         for k in range(3):
-            move = share * (one.p[k] - other.p[k])
+            move = share * offset[k]
             one.p[k] -= one.mobility * move
-            other.p[k] += other.mobility * move
+            other.p[k] += yields * (1.0 - t) * other.mobility * move
+            if t > 0.0:
+                far.p[k] += yields * t * far.mobility * move
     return largest
 
 

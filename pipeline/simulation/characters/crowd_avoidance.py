@@ -112,7 +112,8 @@ def _forbid(one: Record, other: Record, wanted_x: float, wanted_z: float, line: 
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
-    vx, vz = own_x - other.velocity[0], own_z - other.velocity[1]
+    vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]
+    vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
     is_apart = square > space * space
     time = HORIZON if is_apart else PARTING_TIME
     wx, wz = vx - x / time, vz - z / time

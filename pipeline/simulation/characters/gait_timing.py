@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.person_record import STANDING_DUTY
+from pipeline.simulation.characters.person_record import STANDING_DUTY, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 
@@ -44,6 +44,8 @@ STRIDE_RATE_POWER = 0.57
 SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
+EASY_STEP = 0.2  # onto a deck, in leg lengths, that takes no longer than others
+HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 
 
@@ -110,7 +112,19 @@ def gait_pace(person: Record) -> tuple[float, float]:
     leg = leg_length(person)
     speed = ground_speed(person)
     # In turns and after pushes, steps are as brisk as in a slow walk.
-    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), person.duty
+    rate = max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg))
+    return rate / (1.0 + HIGH_STEP_SLOWING * _high_step(person)), person.duty
+
+
+@compiled
+def _high_step(person: Record) -> float:
+    """Return by how much a foot steps onto a deck or off it beyond an easy step, in leg lengths."""
+    rise = 0.0
+    for k in range(2):
+        changes = person.landing_on_deck[k] != person.liftoff_on_deck[k]
+        if person.foot_state[k] == SWING and changes:
+            rise = max(rise, abs(person.landing_place[k, 1] - person.liftoff_place[k, 1]))
+    return max(rise / leg_length(person) - EASY_STEP, 0.0)
 
 
 @compiled

@@ -18,6 +18,7 @@ from pipeline.simulation.characters.biped_gait import advance_feet
 from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, CharacterArrays
 from pipeline.simulation.characters.collision_avoidance import slide_feet, stop_before_solids
 from pipeline.simulation.characters.crowd_avoidance import avoid_people
+from pipeline.simulation.characters.deck_motion import follow_deck
 from pipeline.simulation.characters.gait_timing import (
     froude,
     leg_length,
@@ -59,8 +60,8 @@ def update_stun(person: Record, nodes: Records, links: Records, owners: Records,
     """Stun muscles by blows and by knocks off balance, and let them recover."""
     person.stun *= max(1.0 - STUN_RECOVERY_RATE * dt, 0.0)
     pelvis = nodes[person.node + PELVIS]
-    x = (pelvis.p[0] - pelvis.previous[0]) / dt - person.velocity[0]
-    z = (pelvis.p[2] - pelvis.previous[2]) / dt - person.velocity[1]
+    x = (pelvis.p[0] - pelvis.previous[0]) / dt - person.velocity[0] - person.carry_velocity[0]
+    z = (pelvis.p[2] - pelvis.previous[2]) / dt - person.velocity[1] - person.carry_velocity[1]
     if person.sit_blend == 0.0 and not person.frozen:
         knock = (math.hypot(x, z) - IGNORED_KNOCK) / (FELLING_KNOCK - IGNORED_KNOCK)
         person.stun = max(person.stun, min(knock, 1.0))
@@ -236,6 +237,7 @@ def control_people(
         avoid_people(persons)
     for i in range(len(persons)):
         person = persons[i]
+        follow_deck(person, nodes, owners, solids, h)
         update_stun(person, nodes, links, owners, h)
         if person.frozen:
             halt(person)

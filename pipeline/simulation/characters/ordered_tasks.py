@@ -26,13 +26,18 @@ from pipeline.simulation.characters.pursuit_tasks import (
     FollowTarget,
     WalkUp,
 )
+from pipeline.simulation.characters.push_task import PushRound
+from pipeline.simulation.characters.ride_task import RideCarousel, RideSolid
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.spec import script as spec
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import VERBS, key_of_order
 
-ORDERS_BY_NODES = (spec.Reach, spec.Hug, spec.Grapple, spec.SitOn, spec.LookAt)
+ORDERS_BY_NODES = (
+    *(spec.Reach, spec.Hug, spec.Grapple, spec.SitOn, spec.LookAt),
+    *(spec.Ride, spec.PushRound),
+)
 """Orders that find characters of this room by their nodes, not by their states."""
 
 DEFAULT_GAP = 0.02
@@ -137,6 +142,15 @@ def _sit_on(controller: PersonController, order: spec.SitOn) -> Task:
     return SitOn(owner, order.sit if owner == NOBODY else "")
 
 
+def _ride(controller: PersonController, order: spec.Ride) -> Task:
+    owner = controller.view.owner(order.ride)
+    return RideSolid(order.ride) if owner == NOBODY else RideCarousel(order.ride, owner)
+
+
+def _push(controller: PersonController, order: spec.PushRound) -> Task:
+    return PushRound(controller.view.number(order.push), order.turns)
+
+
 TASKS: Mapping[type, Callable[[PersonController, Any], Task]] = {
     spec.GoTo: _walk,
     spec.TurnBy: _turn,
@@ -151,5 +165,7 @@ TASKS: Mapping[type, Callable[[PersonController, Any], Task]] = {
     spec.Hug: _hug,
     spec.Grapple: _grapple,
     spec.SitOn: _sit_on,
+    spec.Ride: _ride,
+    spec.PushRound: _push,
 }
 """Builders of tasks by the kind of order."""

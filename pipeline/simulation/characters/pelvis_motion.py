@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
+from pipeline.simulation.characters.deck_motion import support_at
 from pipeline.simulation.characters.gait_timing import (
     follow_duty_factor,
     froude,
@@ -23,13 +24,14 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import FOOT, PELVIS, SITTING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.terrain_grid import Grid, surface_at
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
 MAX_ACCELERATION = 0.22  # of the legs, in g
 BRAKING_ACCELERATION = 0.08  # before a goal, in g
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
+STEP_EASE = 0.6  # at the edge of a deck
 SLOPE_FACTOR, EASIEST_SLOPE = 3.5, 0.05  # of Tobler's hiking function
 
 # How the led place follows a body that is pushed off. Offsets in leg lengths.
@@ -119,8 +121,13 @@ def _slope_slowdown(person: Record, wx: float, wz: float, ground: Grid) -> float
         return 1.0
     ahead = 0.4 * leg_length(person) / speed
     x, z = person.at[0], person.at[1]
-    height_behind, _ = surface_at(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
-    height_ahead, _ = surface_at(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
+    frame, vertices = ground.frame, ground.vertices
+    height_behind, _, from_deck = support_at(
+        person, frame, vertices, x - ahead * wx, z - ahead * wz
+    )
+    height_ahead, _, to_deck = support_at(person, frame, vertices, x + ahead * wx, z + ahead * wz)
+    if from_deck != to_deck:
+        return STEP_EASE
     slope = (height_ahead - height_behind) / (2.0 * ahead * speed)
     return math.exp(-0.5 * SLOPE_FACTOR * max(abs(slope + EASIEST_SLOPE) - EASIEST_SLOPE, 0.0))
 
@@ -167,7 +174,7 @@ def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: flo
         excess = 0.0 if is_sitting else offset - min(max(offset, -free), free)
         # A shoved person moves as fast as the body, not faster.
         shoved = min(abs(excess) / (SHOVED_OFFSET * leg), 1.0)
-        v = (node.p[axis] - node.previous[axis]) / dt
+        v = (node.p[axis] - node.previous[axis]) / dt - person.carry_velocity[c]
         acceleration = gain_x if c == 0 else gain_z
         person.velocity[c] += (acceleration + FOLLOW_RATE * shoved * (v - person.velocity[c])) * dt
         shift = FOLLOW_RATE * excess * dt

@@ -9,7 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, CharacterArrays
+from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
+from pipeline.simulation.characters.deck_choice import Decks, deck_height
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
@@ -23,7 +24,7 @@ from pipeline.simulation.characters.person_record import (
     SWINGING,
 )
 from pipeline.simulation.characters.slots import Slots
-from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
+from pipeline.simulation.characters.visibility_route import LIGHT_MASS, MAX_CIRCLES, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record, Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
@@ -47,6 +48,7 @@ SIZE_FACTOR = 1.12  # from the height of the nodes of a standing person to its s
 HOLD_HEIGHT = 0.6  # of a thing between two hands, in heights
 UPRIGHT_BOW, UPRIGHT_CROUCH = 0.25, 0.06  # of the trunk as a tangent, of the legs
 HAND_LEAD = 0.12  # by which hands that hold a thing are led at most [m]
+PARTING_TIME = 0.6  # in which a hand comes away from a bar that it has held [s]
 RUN_FROUDE = 1.1  # speed of the fastest run, in √(g l)
 
 SEGMENT_NAMES = tuple(SEGMENTS)
@@ -86,6 +88,11 @@ class CharacterView:
     holders: dict[str, str] = field(default_factory=dict)
     slots: Slots = field(default_factory=Slots)
     persons: dict[int, Record] = field(default_factory=dict)
+
+    @cached_property
+    def decks(self) -> Decks:
+        """What people can stand on and be carried by."""
+        return Decks(self.arrays)
 
     @cached_property
     def p(self) -> Array:
@@ -241,6 +248,7 @@ class PersonController:
         kicked_bodies: bodies of another room that it kicks in this step, and their velocities
             (3,) from then on [m/s].
         avoided: distance at which it keeps off targets, by name [m].
+        parting: time for which hands that have let go of bars pass through them [s].
     """
 
     name: str
@@ -251,6 +259,7 @@ class PersonController:
     touched: list[str] = field(default_factory=list)
     kicked_bodies: list[tuple[str, Array]] = field(default_factory=list)
     avoided: dict[str, float] = field(default_factory=dict)
+    parting: dict[int, float] = field(default_factory=dict)
 
     @property
     def arm(self) -> float:
@@ -287,12 +296,17 @@ class PersonController:
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].
 
-        They are obstacles of other rooms, and things too heavy to be kicked away.
+        They are obstacles of other rooms, and things too heavy to be kicked away, other than the
+        deck that the person stands on or is about to.
         """
-        circles = self.view.obstacle_circles
-        found = (circles.middles, circles.radii) if circles.update() else NO_CIRCLES
+        circles, found = self.view.obstacle_circles, NO_CIRCLES
+        if circles.update():
+            others = circles.keys // MAX_CIRCLES != SOLID - self.record.deck
+            found = circles.middles[others], circles.radii[others]
         owners = self.view.arrays.nodes["owner"]
         held = {int(owners[node]) for k in range(2) if (node := self.held_node(k)) >= 0}
+        if self.record.deck_share > 0.0:
+            held.add(int(self.record.deck))
         things = [self.view.circle(k) for k in self.view.heavy_things if k not in held]
         if not things:
             return found
@@ -318,6 +332,11 @@ class PersonController:
     def shoulder(self, k: int) -> Array:
         """Return (3,) the place of a shoulder [m]."""
         return self.view.p[self.record.node + SHOULDER + k]
+
+    def floor_height(self, x: float, z: float) -> float:
+        """Return the height of the ground, or of the deck that the person stands on [m]."""
+        is_on_deck = float(self.record.deck_share) > 0.5
+        return deck_height(self.record, x, z) if is_on_deck else self.view.ground_height(x, z)
 
     def waist(self) -> Array:
         """Return (3,) the middle of the body as it is led [m]."""
@@ -377,15 +396,29 @@ class PersonController:
         self.record.arm_mode[k] = HUGGING
         self.record.arm_target[k] = place
 
-    def grip(self, k: int, node: int) -> None:
-        """Close a hand around a node; for JOINED_GRIP the left hand."""
+    def grip(
+        self, k: int, node: int, bar: int = NOBODY, share: float = 0.0, follows: bool = False
+    ) -> None:
+        """Close a hand around a node or a bar; for JOINED_GRIP the left hand.
+
+        Args:
+            k: number of the grip.
+            node: that is held, or one end of the bar.
+            bar: the node at its other end.
+            share: how far along the bar, 0 to 1.
+            follows: whether the hand does not move it: the feet of a person who stands on it push
+                back as much, and one who pushes it does so by `push_bar`.
+        """
         hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
         if self.held_node(k) != node and nodes["owner"][node] != self.record.owner:
             self.touched.append(self.view.names[nodes["owner"][node]])
         self.view.arrays.grips[self.record.grip + k] = hand, node
         nodes["grip_partner"][hand] = nodes["owner"][node]
         nodes["grip_partner"][node] = self.record.owner
-        nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
+        self.parting.pop(k % JOINED_GRIP, None)
+        nodes["grip_bar"][hand], nodes["grip_share"][hand] = bar, share
+        nodes["grip_follows"][hand] = follows
+        nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], self.held_place(k))
         # A ball hangs from the hand by its surface.
         is_ball = self.view.arrays.owners[nodes["owner"][node]].nodes[1] == 1
         nodes["grip_length"][hand] = nodes["radius"][node] if is_ball else 0.0
@@ -397,6 +430,14 @@ class PersonController:
     def held_node(self, k: int) -> int:
         """Return the node that a hand grips, -1 for none."""
         return int(self.view.arrays.grips[self._first_grip + k, 1])
+
+    def held_place(self, k: int) -> Array:
+        """Return (3,) the place on a node or a bar at which a grip holds it [m]."""
+        nodes, p = self.view.arrays.nodes, self.view.p
+        hand, node = self.view.arrays.grips[self.record.grip + k]
+        bar, share = int(nodes["grip_bar"][hand]), float(nodes["grip_share"][hand])
+        place: Array = p[node] if bar < 0 else (1.0 - share) * p[node] + share * p[bar]
+        return place
 
     def is_holding(self, k: int) -> bool:
         """Tell whether a hand grips something."""
@@ -484,9 +525,35 @@ class PersonController:
 
     def _open(self, k: int) -> None:
         grip = self.view.arrays.grips[self.record.grip + k]
+        nodes = self.view.arrays.nodes
         if grip[0] >= 0:
-            self.view.arrays.nodes["grip_partner"][grip] = NOBODY
+            if nodes["grip_bar"][grip[0]] >= 0:
+                # An arm that met the bar at once would knock it away.
+                self.parting[k], nodes["grip_partner"][grip[1]] = PARTING_TIME, NOBODY
+            else:
+                nodes["grip_partner"][grip] = NOBODY
+            nodes["grip_bar"][grip[0]] = NOBODY
         grip[:] = NOBODY
+
+    def reach_for_bar(self, k: int, owner: int) -> None:
+        """Let a forearm pass through the bars of a thing that its hand is about to close around."""
+        self.view.arrays.nodes["grip_partner"][self.record.node + HAND + k] = owner
+        self.parting[k] = PARTING_TIME
+
+    def push_bar(self, nodes: tuple[int, int], force: Array, dt: float) -> None:
+        """Push a bar between two nodes with a force (3,) for a step [N], [s]."""
+        arrays, h = self.view.arrays, self.view.sub_step
+        for node in nodes:
+            v = 0.5 * dt * force * arrays.nodes["inverse_mass"][node]
+            arrays.nodes["previous"][node] -= h * v
+
+    def part_from_bars(self, dt: float) -> None:
+        """Let hands that have opened around bars meet them again after a while [s]."""
+        for k in list(self.parting):
+            self.parting[k] -= dt
+            if self.parting[k] <= 0.0:
+                del self.parting[k]
+                self.view.arrays.nodes["grip_partner"][self.record.node + HAND + k] = NOBODY
 
     def node_to_grip(self, owner: int, part: str | None, k: int) -> int:
         """Return the node of a character that a hand takes: by name, or the nearest one."""
@@ -510,7 +577,7 @@ class PersonController:
                 continue
             mass = arrays.owners[int(arrays.nodes["owner"][node])].mass
             if mass > CARRIED_MASS * arrays.owners[self.record.owner].mass:
-                self.put_hand(k, arrays.nodes["p"][node])
+                self.put_hand(k, self.held_place(k))
             elif self._holds_between(node):
                 radius = float(arrays.nodes["radius"][node])
                 self.lead_hand(k, self.place_before(k, radius, radius))

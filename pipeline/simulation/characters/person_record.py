@@ -151,6 +151,8 @@ PERSON = np.dtype(
         ("look_at", "f8", 3),
         ("arm_mode", "i8", 2),
         ("arm_target", "f8", (2, 3)),
+        # Tangent of the lean ahead against what it pushes.
+        ("brace", "f8"),
         # Descent of the shoulders to a small partner [m]; blend to leaning on it, 0 to 1, and rate.
         ("stoop_depth", "f8"),
         ("embrace_lean", "f8"),
@@ -160,6 +162,29 @@ PERSON = np.dtype(
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),
+        # The deck that it may stand on: number of a merry-go-round, SOLID - s of a solid, or NOBODY
+        # the one whose pose is known; whether a task asks for it. Middle of its top in the frame of
+        # the solid, or above the hub [m]; its axes there, columns along, up and across; half
+        # extents along and across, of a round one its radius twice [m].
+        ("deck", "i8"),
+        ("known_deck", "i8"),
+        ("deck_wanted", "?"),
+        ("deck_place", "f8", 3),
+        ("deck_turn", "f8", (3, 3)),
+        ("deck_half", "f8", 2),
+        ("deck_is_round", "?"),
+        # Middle of its top [m] and its axes in the world.
+        ("deck_middle", "f8", 3),
+        ("deck_axes", "f8", (3, 3)),
+        # Of each foot, 1 if it stands on the deck, lifted off from it, or will land on it, else 0.
+        ("stance_on_deck", "i8", 2),
+        ("liftoff_on_deck", "i8", 2),
+        ("landing_on_deck", "i8", 2),
+        # Share of the weight that the deck bears, 0 to 1; velocity along x and z and turning rate
+        # with which it carries the person [m/s], [rad/s].
+        ("deck_share", "f8"),
+        ("carry_velocity", "f8", 2),
+        ("carry_turn", "f8"),
         # Target places of the nodes [m], now and one sub-step ago.
         ("targets", "f8", (NODE_COUNT, 3)),
         ("previous_targets", "f8", (NODE_COUNT, 3)),
@@ -192,7 +217,7 @@ def persons_of(
             setattr(person, name, fraction * own.height)
         person.node = first
         person.heading = headings[i]
-        person.partner = person.kick_foot = -1
+        person.partner = person.kick_foot = person.deck = person.known_deck = -1
         person.neighbour_distance = np.inf
         person.at[:] = at[i]
         person.floor = ground[i]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.carousel_pose import way_off_deck
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.task_progress import TaskProgress
@@ -63,6 +64,9 @@ class Task:
         if reason:
             self.failure = reason
             self.is_stuck = approach is None or approach.route.vain_from is None
+
+    def leave(self, controller: PersonController) -> None:
+        """Let go of what only this task holds, before another one begins or none."""
 
     def subject(self, controller: PersonController) -> Array | None:
         """Return (3,) the place that it is about and that the person looks at [m]."""
@@ -178,6 +182,9 @@ def take_route(
         The length of the way [m].
     """
     person = controller.record
+    if (first := way_off_deck(controller, goal)) is not None:
+        person.goal[:] = first
+        return math.dist(person.at, first) + math.dist(first, goal)
     middles, radii = controller.obstacles()
     if circle is not None:
         middles = np.concatenate([middles, circle[0][None]])
@@ -286,7 +293,7 @@ class SitDown(Task):
             back = 0.6 * (person.thigh + person.shin)
             x = person.at[0] - back * math.cos(person.heading)
             z = person.at[1] + back * math.sin(person.heading)
-            height = controller.view.ground_height(x, z) + SEAT_HEIGHT * person.height
+            height = controller.floor_height(x, z) + SEAT_HEIGHT * person.height
             person.seat[:] = back, height, -0.06
             person.has_goal, person.has_facing, person.posture = False, False, SITTING
             self.time += dt

@@ -108,7 +108,10 @@ def merry_go_round_plan(radius: float, mass: float) -> BodyPlan:
         rest=rest,
         mass=masses,
         radius=np.full(len(rest), bar_radius),
-        links=(*(Link(bar, bar_radius) for bar in bars), *(Link(brace) for brace in braces)),
+        links=(
+            *(Link(bar, bar_radius, is_deck=set(bar) <= {0, *rim}) for bar in bars),
+            *(Link(brace) for brace in braces),
+        ),
         air_damping=0.12,
         friction=0.5,
         bearing_nodes=tuple(rim),

@@ -80,9 +80,8 @@ def foot_rotations(persons: Records, ground: Ground) -> Array:
     squared = np.maximum(way[..., 0] ** 2 + way[..., 2] ** 2, 1e-12)
     share = (gone[..., 0] * way[..., 0] + gone[..., 2] * way[..., 2]) / squared
     share = np.where(persons["foot_state"] == STANCE, 0.0, np.clip(share, 0.0, 1.0))[..., None]
-    stance = persons["stance_place"]
-    below = (1.0 - share) * ground.field.normal(stance[..., 0], stance[..., 2])
-    below = below + share * ground.field.normal(landing[..., 0], landing[..., 2])
+    below = (1.0 - share) * _normals_below(persons, ground, "stance")
+    below = below + share * _normals_below(persons, ground, "landing")
     yaw, pitch = persons["yaw"], persons["pitch"][..., None]
     ahead = np.stack([np.cos(yaw), np.zeros_like(yaw), -np.sin(yaw)], axis=-1)
     up = normalized(below)
@@ -90,6 +89,17 @@ def foot_rotations(persons: Records, ground: Ground) -> Array:
     x = np.cos(pitch) * ahead + np.sin(pitch) * up
     y = np.cos(pitch) * up - np.sin(pitch) * ahead
     return np.stack([x, y, np.cross(x, y)], axis=-1)
+
+
+def _normals_below(persons: Records, ground: Ground, moment: str) -> Array:
+    """Return (..., 2, 3) the normals of ground or decks below feet at stance or at landing."""
+    places = persons[f"{moment}_place"]
+    normals: Array = ground.field.normal(places[..., 0], places[..., 2])
+    on_deck = persons[f"{moment}_on_deck"] > 0
+    if not on_deck.any():
+        return normals
+    up = persons["deck_axes"][..., None, :, 1]
+    return np.where(on_deck[..., None], up, normals)
 
 
 class BallRotations:

@@ -14,7 +14,7 @@ from pipeline.simulation.characters.character_plans import LINK_NAMES, PEOPLE
 from pipeline.simulation.characters.contact_response import TouchLog
 from pipeline.simulation.characters.hug_tasks import HUG, Hug
 from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
-from pipeline.simulation.characters.playthings import MATERIALS
+from pipeline.simulation.characters.playthings import DECK_MATERIAL, MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.compiled import Record, Records
@@ -132,6 +132,15 @@ class ContactReporter:
             kind="hit",
         )
 
+    def ground_below(self, person: Record, k: int) -> tuple[str, str]:
+        """Return the name and the material of what a foot stands on: the terrain or a deck."""
+        if person.stance_on_deck[k] == 0:
+            return "terrain", self._surface
+        if person.deck >= 0:
+            return self._cast[int(person.deck)].name, DECK_MATERIAL
+        solid = self.solids[SOLID - int(person.deck)]
+        return solid.name, solid.material
+
     def _member(self, link: int) -> Character:
         return self._cast[int(self._links["owner"][link])]
 
@@ -163,6 +172,7 @@ def footfalls(
     ground: Ground,
     clock: Clock,
     step: int,
+    reporter: ContactReporter,
 ) -> tuple[Contact, ...]:
     """Return the footfalls since the last report, and start a new one.
 
@@ -173,6 +183,7 @@ def footfalls(
         ground: the terrain.
         clock: of the scene.
         step: that was taken.
+        reporter: knows what feet stand on.
     """
     touchdowns = persons["touchdowns"]
     persons["report_time"] = 0.0
@@ -181,12 +192,14 @@ def footfalls(
     people, feet = np.nonzero(touchdowns)
     places = persons["stance_place"][people, feet]
     normals = ground.field.normal(places[:, 0], places[:, 2]).tolist()
-    found = tuple(
-        _footfall(persons[n], k, names[n], masses[n] * LEG_MASS, normal, ground, clock, step)
-        for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True)
-    )
+    found = []
+    for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True):
+        if persons[n].stance_on_deck[k] == 1:
+            normal = persons[n].deck_axes[:, 1].tolist()
+        below, mass = reporter.ground_below(persons[n], k), masses[n] * LEG_MASS
+        found.append(_footfall(persons[n], k, names[n], mass, normal, below, clock, step))
     touchdowns[:] = 0
-    return found
+    return tuple(found)
 
 
 def _footfall(
@@ -195,7 +208,7 @@ def _footfall(
     name: str,
     mass: float,
     normal: tuple[float, float, float],
-    ground: Ground,
+    below: tuple[str, str],
     clock: Clock,
     step: int,
 ) -> Contact:
@@ -207,13 +220,13 @@ def _footfall(
         fraction=min(max(float(person.touchdown_time[k]) / clock.dt, 0.0), latest),
         performer=name,
         part=f"{name}.foot_{'lr'[k]}",
-        other="terrain",
+        other=below[0],
         place=(x, y - float(person.ankle), z),
         normal=(normal[0], normal[1], normal[2]),
         speed=speed,
         energy=0.5 * mass * speed * speed,
         material=SHOES,
-        surface=ground.material,
+        surface=below[1],
         size=float(person.thigh + person.shin),
         kind="touch",
     )

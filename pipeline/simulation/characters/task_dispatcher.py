@@ -40,6 +40,7 @@ from pipeline.simulation.characters.pursuit_tasks import (
     ChaseTarget,
     evade,
 )
+from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
 from pipeline.simulation.characters.shove_task import Grapple
@@ -199,6 +200,8 @@ class TaskDispatcher:
     def end(self, k: int) -> None:
         """End the task of a person; held objects stay in the hands."""
         controller = self.controllers[k]
+        if (task := self._tasks[k]) is not None:
+            task.leave(controller)
         controller.stop()
         person = controller.record
         person.posture, person.has_facing, person.stoop_depth = STANDING, False, 0.0
@@ -222,6 +225,7 @@ class TaskDispatcher:
         self._clear_facts()
         time = self._steps * self._dt
         self._steps += 1
+        self.view.decks.update(self._persons)
         self._share_slots()
         self._form_crews()
         self._advance_crews()
@@ -230,6 +234,7 @@ class TaskDispatcher:
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
         for k, controller in enumerate(self.controllers):
+            controller.part_from_bars(self._dt)
             if embraces[k] >= 0:
                 controller.end_distant_embrace()
             may_grip = holds[k] or self._tasks[k] is not None
@@ -495,6 +500,8 @@ class TaskDispatcher:
         """Start a task; empty hands hang again, unless they are kept after a task that is done."""
         controller = self.controllers[k]
         last = self._tasks[k]
+        if last is not None:
+            last.leave(controller)
         keeps_arms = keeps_arms and (self._done[k] or not isinstance(last, ARM_TASKS))
         self._tasks[k], self._done[k] = task, False
         self.view.slots.leave(controller.name)
@@ -517,7 +524,8 @@ class TaskDispatcher:
         controller.part_hands()
         for hand in hands:
             controller.let_go(hand)
-        if isinstance(self._tasks[k], (Hug, Reach, Grapple, *ARM_TASKS)):
+        if isinstance(task, (Hug, Reach, Grapple, PushRound, *ARM_TASKS)):
+            task.leave(controller)
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
             self._tasks[k] = None

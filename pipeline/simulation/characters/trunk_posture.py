@@ -299,6 +299,12 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
     )
     along_x += 0.45 * person.acceleration[0] / GRAVITY
     along_z += 0.45 * person.acceleration[1] / GRAVITY
+    # A turning deck carries inward all the time.
+    inward = 0.45 * person.carry_turn * person.carry_turn / GRAVITY
+    along_x += inward * (person.deck_middle[0] - person.at[0])
+    along_z += inward * (person.deck_middle[2] - person.at[1])
+    along_x += person.brace * math.cos(person.heading)
+    along_z -= person.brace * math.sin(person.heading)
     if person.sit_blend > 0.0:
         # Weight goes over the feet on the way, and back over the seat once there.
         halfway = 4.0 * person.sit_blend * (1.0 - person.sit_blend)

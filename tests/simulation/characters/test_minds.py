@@ -244,7 +244,7 @@ def test_anxious_children_of_the_schoolyard_return_home(seed: int) -> None:
     take = simulate(scene)
     anxiety, distance = channel(take, "small.anxiety"), channel(take, "small.distance")
     gaze, did = channel(take, "small.gaze"), behaviours_of(take, "small")
-    dt = 60.0 / len(anxiety)
+    dt = 90.0 / len(anxiety)
     # An anxious child returns home and hugs until it is calm.
     returns = [k for k in range(1, len(did)) if did[k] == "attachment" != did[k - 1]]
     ends = [k for k in range(1, len(did)) if did[k - 1] == "attachment" != did[k]]

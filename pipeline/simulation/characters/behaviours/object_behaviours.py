@@ -1,4 +1,4 @@
-"""Object behaviours: play with a ball, carry something, push a merry-go-round.
+"""Object behaviours: play with a ball, carry something, push a merry-go-round, ride on one.
 
 Source: Horswill 2008, "Example application", figure 1 and "Limb control" (grab).
 """
@@ -18,9 +18,11 @@ from pipeline.simulation.characters.behaviours.registry import (
 from pipeline.simulation.characters.contact_tasks import Grab
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import freshness
+from pipeline.simulation.characters.push_task import PushRound
+from pipeline.simulation.characters.ride_task import RideCarousel
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.spatial import Array
-from pipeline.spec.behaviour import Carry, Play, Push
+from pipeline.spec.behaviour import Carry, Play, Push, Ride
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 PLAY_ACTIVATION, PLAY_CURIOSITY = 0.25, 0.5
 CARRY_ACTIVATION, CARRY_CURIOSITY = 0.4, 0.4
 PUSH_ACTIVATION, PUSH_CURIOSITY = 0.2, 0.35
+RIDER_WAITS = 0.25  # more of it when somebody is on the merry-go-round
+RIDE_ACTIVATION, RIDE_CURIOSITY = 0.3, 0.35
 
 # Play.
 LOST_BALL_FRESHNESS = 0.7  # of a ball out of view, which is looked for where it was
@@ -48,6 +52,12 @@ LEFT_HAND = 0
 PUSH_TIME, PUSH_PAUSE = 7.0, 14.0  # [s]
 PUSH_GAP = 0.12  # to the rim [m]
 RIM_LEAD_ANGLE = 0.55  # ahead along the rim [rad]
+ROUND_TIME = 18.0  # of pushing a merry-go-round [s]
+MANY_TURNS = 100.0  # that nobody completes in this time
+
+# Ride.
+RIDE_TIME, RIDE_PAUSE = 60.0, 15.0  # [s]
+BOARDING_DISTANCE = 0.6  # from the rim from which a rider steps on [m]
 
 
 @implements(Play)
@@ -132,21 +142,41 @@ class CarryThing(ConfiguredBehaviour[Carry]):
 
 @implements(Push)
 class PushRim(ConfiguredBehaviour[Push]):
-    """Go to a merry-go-round and run along its rim, hands ahead, until it turns."""
+    """Go to a merry-go-round and push it round; run along another thing, hands ahead."""
 
     def __init__(self, config: Push, mind: Mind) -> None:
         super().__init__(config, mind)
         self.thing = mind.number(config.push)
+        self.is_carousel = mind.surroundings.kinds[self.thing] == "merry-go-round"
+        self.task: PushRound | None = None
         self.began, self.pause_end = math.inf, -1.0
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
         if mind.now < self.pause_end:
             return 0.0
-        return PUSH_ACTIVATION + PUSH_CURIOSITY * mind.traits.curiosity + self.config.urge
+        waits = RIDER_WAITS if mind.is_ridden(self.thing) else 0.0
+        draw = PUSH_ACTIVATION + PUSH_CURIOSITY * mind.traits.curiosity
+        return draw + waits + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
+        return self._push_round(mind) if self.is_carousel else self._run_along(mind)
+
+    def _push_round(self, mind: Mind) -> MotorCommand:
+        """Return the motor command of a push at a post."""
+        if self.task is None and mind.gap(self.thing) > BOARDING_DISTANCE:
+            distance = float(mind.surroundings.radius[self.thing]) + mind.body_radius
+            distance += 0.5 * BOARDING_DISTANCE
+            return steer(mind, mind.place(self.thing), distance, target=self.thing, touching=True)
+        if self.task is None:
+            self.task = PushRound(self.thing, MANY_TURNS)
+        if self.task.failure or self.task.time > ROUND_TIME:
+            self.pause_end = mind.now + PUSH_PAUSE
+        return MotorCommand(task=self.task, pace=mind.stroll, target=self.thing, touching=True)
+
+    def _run_along(self, mind: Mind) -> MotorCommand:
+        """Return the motor command of a run along the rim of a thing."""
         place, radius = mind.place(self.thing), float(mind.surroundings.radius[self.thing])
         if mind.gap(self.thing) > 6.0 * PUSH_GAP:
             distance = radius + mind.body_radius + 2.0 * PUSH_GAP
@@ -167,4 +197,41 @@ class PushRim(ConfiguredBehaviour[Push]):
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self.began = math.inf
+        self.began, self.task = math.inf, None
+
+
+@implements(Ride)
+class RideAround(ConfiguredBehaviour[Ride]):
+    """Go to a merry-go-round, step onto it and stay there for a while."""
+
+    def __init__(self, config: Ride, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.thing = mind.number(config.ride)
+        self.task: RideCarousel | None = None
+        self.aboard, self.pause_end = math.inf, -1.0
+
+    def activation(self, mind: Mind) -> float:
+        """See `Behaviour`."""
+        if mind.now < self.pause_end:
+            return 0.0
+        return RIDE_ACTIVATION + RIDE_CURIOSITY * mind.traits.curiosity + self.config.urge
+
+    def motor(self, mind: Mind) -> MotorCommand:
+        """See `Behaviour`."""
+        if self.task is None and mind.gap(self.thing) > BOARDING_DISTANCE:
+            distance = float(mind.surroundings.radius[self.thing]) + mind.body_radius
+            distance += 0.5 * BOARDING_DISTANCE
+            return steer(mind, mind.place(self.thing), distance, target=self.thing, touching=True)
+        if self.task is None:
+            name = mind.surroundings.view.names[self.thing]
+            self.task = RideCarousel(name, self.thing)
+        if self.task.is_there:
+            self.aboard = min(self.aboard, mind.now)
+        is_over = self.task.failure or self.task.is_lost or mind.now > self.aboard + RIDE_TIME
+        if is_over:
+            self.pause_end = mind.now + RIDE_PAUSE
+        return MotorCommand(task=self.task, pace=mind.stroll, target=self.thing, touching=True)
+
+    def end(self, mind: Mind) -> None:
+        """See `Behaviour`."""
+        self.task, self.aboard = None, math.inf

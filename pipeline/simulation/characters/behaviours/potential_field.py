@@ -191,7 +191,7 @@ def _sight(mind: Mind) -> _Sight:
         memory.places,
         memory.distances,
         surroundings.radius,
-        mind.is_obstacle,
+        mind.obstacles,
         circles.middles,
         circles.radii,
         circles.keys,

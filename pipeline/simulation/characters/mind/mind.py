@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.detour_state import DetourState
@@ -63,7 +64,7 @@ class FaceRates:
 
 FACE = FaceRates()
 
-JOYS: Mapping[str, float] = {"play": 0.8, "comfort": 0.5, "carry": 0.35, "push": 0.7}
+JOYS: Mapping[str, float] = {"play": 0.8, "comfort": 0.5, "carry": 0.35, "push": 0.7, "ride": 0.9}
 """Joy in a face by the present behaviour."""
 
 
@@ -243,6 +244,25 @@ class Mind:
         p, first = self.surroundings.view.arrays.p, int(record.node) + HAND
         offset = p[first] - p[first + 1]
         return math.sqrt(float((offset * offset).sum()))
+
+    @property
+    def obstacles(self) -> NDArray[np.bool_]:
+        """(C,) which characters are walked around; what is in its hands is not in its way."""
+        nodes = self.surroundings.view.arrays.nodes
+        held = [node for k in range(2) if (node := self.controller.held_node(k)) >= 0]
+        if not held:
+            return self.is_obstacle
+        obstacles = self.is_obstacle.copy()
+        obstacles[nodes["owner"][held]] = False
+        return obstacles
+
+    def is_ridden(self, thing: int) -> bool:
+        """Tell whether somebody else stands on a merry-go-round."""
+        return any(
+            int(record.deck) == thing and float(record.deck_share) > 0.5
+            for owner, record in self._records.items()
+            if owner != self.number_of_self
+        )
 
     def emotions(self) -> list[float]:
         """Return the emotions that its face shows, in the order of `EMOTIONS`, from 0 to 1."""

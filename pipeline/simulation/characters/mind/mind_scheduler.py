@@ -15,6 +15,7 @@ from pipeline.simulation.characters.behaviours.registry import (
     behaviours_of,
 )
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
+from pipeline.simulation.characters.carousel_pose import way_off_deck
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.mind.mind import Mind
@@ -270,6 +271,8 @@ def _walk(mind: Mind, command: MotorCommand) -> None:
         turn = abs(_wrapped(mind.heading_to(place) - mind.heading_to(way)))
         goal = None if turn > GLANCING_BACK_ANGLE else goal
     if goal is not None:
+        if (first := way_off_deck(controller, np.array(goal))) is not None:
+            goal = float(first[0]), float(first[1])
         controller.go(*goal, partner=command.target if command.touching else NOBODY)
     else:
         controller.stop()

@@ -1,0 +1,130 @@
+"""Carousel pose: where the posts of a merry-go-round are, and how it turns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.characters.person_controller import CharacterView, PersonController
+from pipeline.simulation.characters.playthings import SPOKES
+from pipeline.simulation.spatial import Array
+
+GAP_ANGLE = 2.0 * math.pi / SPOKES
+"""Angle between neighbouring posts [rad]."""
+
+OUTSIDE, INSIDE = 0.1, 0.45
+"""Distances from the rim at which a person stands before it, clear of it, and on the deck [m]."""
+
+GAP_TOLERANCE = 0.16
+"""Angle to the middle of a gap within which a person passes between two posts [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class CarouselPose:
+    """A merry-go-round as it stands now. Angles are positive about +Y.
+
+    Attributes:
+        first: number of its first node.
+        hub: (3,) the middle of its deck [m].
+        radius: of the deck [m].
+        angle: of its first post [rad].
+        rate: at which it turns [rad/s].
+        feet, tops: (SPOKES, 3) ends of its posts [m].
+    """
+
+    first: int
+    hub: Array
+    radius: float
+    angle: float
+    rate: float
+    feet: Array
+    tops: Array
+
+    def angle_of(self, x: float, z: float) -> float:
+        """Return the angle of a position about the hub [rad]."""
+        return math.atan2(-(z - self.hub[2]), x - self.hub[0])
+
+    def post_angle(self, number: int) -> float:
+        """Return the angle of a post [rad]."""
+        return self.angle + number * GAP_ANGLE
+
+    def gap_angle(self, near: float) -> float:
+        """Return the angle of the middle between two posts that is nearest to an angle [rad]."""
+        gaps = (near - self.angle) / GAP_ANGLE - 0.5
+        return self.angle + (round(gaps) + 0.5) * GAP_ANGLE
+
+    def place(self, angle: float, distance: float) -> Array:
+        """Return the place (3,) at an angle and a distance from the hub, on its level [m]."""
+        across = np.array([math.cos(angle), 0.0, -math.sin(angle)])
+        place: Array = self.hub + distance * across
+        return place
+
+    def distance(self, controller: PersonController) -> float:
+        """Return the distance of a person from the hub [m]."""
+        return controller.ground_distance(self.hub)
+
+    def post_nodes(self, number: int) -> tuple[int, int]:
+        """Return the numbers of the nodes at the foot and the top of a post."""
+        return self.first + 2 + number, self.first + 2 + SPOKES + number
+
+
+def carousel_pose(view: CharacterView, owner: int) -> CarouselPose:
+    """Return a merry-go-round as it stands now."""
+    first = int(view.arrays.owners["nodes"][owner, 0])
+    nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
+    p, moved = nodes["p"], nodes["p"] - nodes["previous"]
+    rim, v = p[2 : 2 + SPOKES] - p[0], moved[2 : 2 + SPOKES] / view.sub_step
+    angles = np.arctan2(-rim[:, 2], rim[:, 0]) - np.arange(SPOKES) * GAP_ANGLE
+    squares = (rim * rim).sum(axis=1)
+    return CarouselPose(
+        first,
+        p[0].copy(),
+        float(np.sqrt(squares).mean() + nodes["radius"][0]),
+        math.atan2(float(np.sin(angles).sum()), float(np.cos(angles).sum())),
+        float(((rim[:, 2] * v[:, 0] - rim[:, 0] * v[:, 2]) / squares).mean()),
+        p[2 : 2 + SPOKES].copy(),
+        p[2 + SPOKES :].copy(),
+    )
+
+
+def way_across_rim(
+    controller: PersonController, carousel: CarouselPose, angle: float, goal_distance: float
+) -> Array | None:
+    """Return the next place (3,) on the way between two posts, None once across the rim [m].
+
+    Args:
+        controller: of the person.
+        carousel: that is stepped onto, or off.
+        angle: of the middle of the gap [rad].
+        goal_distance: of the goal from the hub: less than its radius to step on [m].
+    """
+    person = controller.record
+    own, off = carousel.distance(controller), angle - carousel.angle_of(*person.at)
+    off = math.remainder(off, 2.0 * math.pi)
+    outer = carousel.radius + controller.body_radius + OUTSIDE
+    inner = carousel.radius - INSIDE
+    goes_in = goal_distance < carousel.radius
+    if (goes_in and own < inner + 0.1) or (not goes_in and own > outer - 0.1):
+        return None
+    if abs(off) > GAP_TOLERANCE:
+        return carousel.place(angle, inner if own < carousel.radius else outer)
+    return carousel.place(angle, inner - 0.2 if goes_in else outer + 0.2)
+
+
+def way_off_deck(controller: PersonController, goal: Array) -> Array | None:
+    """Return the next place (2,) of a person that leaves a merry-go-round for a goal (2,) [m].
+
+    It is None for one that stands on none, or whose goal is on it.
+    """
+    person = controller.record
+    if person.deck < 0 or person.deck_share == 0.0:
+        return None
+    carousel = carousel_pose(controller.view, int(person.deck))
+    distance = math.dist(goal, carousel.hub[[0, 2]])
+    if distance < carousel.radius:
+        return None
+    gap = carousel.gap_angle(carousel.angle_of(*person.at))
+    way = way_across_rim(controller, carousel, gap, distance)
+    return None if way is None else way[[0, 2]]

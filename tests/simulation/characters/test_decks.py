@@ -1,0 +1,110 @@
+"""People on moving surfaces: they stand on them, are carried, ride and push."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.deck_choice import top_of
+from pipeline.simulation.keyframe_track import rotation_from_angles
+from tests.simulation.characters.scripted_people import STEPS, play_scene, run_scene
+
+CAROUSEL = "- {name: c, character: merry-go-round, spin_deg: [0, 40, 0]}\n"
+CART = "prop: {shape: box, size: [1.6, 0.25, 1.0]}"
+DECK_TOP = 0.25
+"""Height of the deck of a merry-go-round [m]."""
+
+
+def test_the_top_of_a_tilted_board_is_flat_and_of_its_size() -> None:
+    signs = np.array([(a, b, c) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)])
+    corners = signs * [0.8, 0.05, 0.25]
+    R = rotation_from_angles(np.radians(np.array([[0.0, 30.0, 10.0]])))[0]
+    top = top_of(corners, R)
+    assert top is not None
+    assert np.allclose(top.place, [0.0, 0.05, 0.0])
+    assert sorted(top.half) == pytest.approx([0.25, 0.8])
+    assert np.allclose(top.turn @ top.turn.T, np.eye(3))
+    assert np.linalg.det(top.turn) == pytest.approx(1.0)
+    on_edge = rotation_from_angles(np.radians(np.array([[0.0, 0.0, 45.0]])))[0]
+    assert top_of(corners, on_edge @ on_edge[:, [1, 0, 2]]) is not None
+    skew = rotation_from_angles(np.radians(np.array([[35.0, 0.0, 45.0]])))[0]
+    assert top_of(corners, skew) is None
+
+
+def test_a_person_on_a_turning_deck_turns_with_it() -> None:
+    cast = CAROUSEL + "- {name: kid, character: child, at: [0.8, 0]}\n"
+    play = play_scene(f"duration: 1.5\ncast:\n{cast}")
+    hub, kid, first = play.firsts["c"], play.records[:, 0], play.firsts["c"] + 2
+    rim = play.p[:, first] - play.p[:, hub]
+    deck = np.unwrap(np.arctan2(-rim[:, 2], rim[:, 0]))
+    at = kid["at"]
+    own = np.unwrap(np.arctan2(-at[:, 1], at[:, 0]))
+    turned = deck[-1] - deck[0]
+    assert turned > math.radians(40.0)
+    assert own[-1] - own[0] == pytest.approx(turned, abs=0.03)
+    assert np.unwrap(kid["heading"])[-1] - kid["heading"][0] == pytest.approx(turned, abs=0.03)
+    # Feet stay where they stand on the deck, and legs keep it upright.
+    foot = kid["stance_place"][:, 0]
+    around = np.unwrap(np.arctan2(-foot[:, 2], foot[:, 0]))
+    # The deck slows down, and feet follow it one sub-step later.
+    assert np.ptp(around - deck) < 1e-3
+    assert np.hypot(foot[:, 0], foot[:, 2]) == pytest.approx(math.hypot(*foot[0, [0, 2]]))
+    assert kid["floor"] == pytest.approx(DECK_TOP, abs=1e-3)
+    # Its turning along is no knock, but for that of the first moment.
+    assert kid["stun"].max() < 0.1
+    assert kid["stun"][-1] < 0.01
+    pelvis = play.joint("kid", "pelvis")[:, 1]
+    assert pelvis.min() > DECK_TOP + 0.9 * kid["hip_height"][0]
+
+
+@pytest.mark.nightly
+def test_a_person_steps_onto_a_cart_and_is_carried() -> None:
+    keys = "[{at: 2.6, position: [0, 0.125, 0]}, {at: 4.4, position: [1.2, 0.125, 0]}]"
+    cast = f"- {{name: cart, {CART}, at: [0, 0.125, 0], keyframes: {keys}}}\n"
+    cast += "- {name: kid, character: child, at: [0, 0.95], heading_deg: 90}\n"
+    script = "script:\n- {at: 0, who: kid, do: {ride: cart}}\n"
+    play = play_scene(f"duration: 4.6\ncast:\n{cast}{script}")
+    kid = play.records[:, 0]
+    assert play.when("kid")[0] < 2.6
+    assert kid["stance_on_deck"][-1].all()
+    assert kid["at"][-1, 0] - kid["at"][round(2.6 * STEPS), 0] == pytest.approx(1.2, abs=0.03)
+    assert kid["floor"][-1] == pytest.approx(0.25, abs=1e-3)
+    assert kid["stun"].max() < 0.05
+
+
+def test_what_cannot_be_stepped_onto_is_given_up() -> None:
+    cast = "- {name: wall, prop: {shape: box, size: [1, 0.6, 1]}, at: [0, 0.3, 0]}\n"
+    cast += "- {name: raft, body: {shape: box, size: [1, 0.1, 1]}, at: [4, 0.06, 0]}\n"
+    cast += "- {name: kid, character: child, at: [0, 1.2]}\n"
+    cast += "- {name: other, character: child, at: [4, 1.2]}\n"
+    script = "- {at: 0, who: kid, do: {ride: wall}}\n- {at: 0, who: other, do: {ride: raft}}\n"
+    orders = {one.who: one for one in run_scene(cast, 0.3, script).take().orders}
+    assert orders["kid"].outcome == orders["other"].outcome == "given up"
+    assert "too high to step on: 0.60 m" in orders["kid"].reason
+    assert "collide: all" in orders["other"].reason
+
+
+@pytest.mark.nightly
+def test_a_rider_steps_onto_a_merry_go_round_and_another_pushes_it() -> None:
+    cast = "- {name: c, character: merry-go-round}\n"
+    cast += "- {name: rider, character: child, at: [1.75, -0.6], heading_deg: 180}\n"
+    cast += "- {name: pusher, character: child, at: [-1.7, 0.2], heading_deg: 0, scale: 1.15}\n"
+    script = "script:\n- {at: 0, who: rider, do: {ride: c}}\n"
+    script += "- {at: 2.5, who: pusher, do: {push: c, turns: 0.25}}\n"
+    play = play_scene(f"duration: 9\ncast:\n{cast}{script}")
+    rider, pusher = play.records[:, 0], play.records[:, 1]
+    hub, first = play.firsts["c"], play.firsts["c"] + 2
+    rim = play.p[:, first] - play.p[:, hub]
+    rate = np.gradient(np.unwrap(np.arctan2(-rim[:, 2], rim[:, 0]))) * STEPS
+    # A rider does not turn what it stands on.
+    assert np.abs(rate[: round(2.5 * STEPS)]).max() < 0.03
+    assert play.when("rider")
+    assert play.when("pusher")
+    assert rider["deck_share"][-1] == pytest.approx(1.0, abs=1e-3)
+    assert rate.max() > 0.35
+    assert max(rider["stun"].max(), pusher["stun"].max()) < 0.2
+    assert (pusher["deck_share"] == 0.0).all()
+    # Nobody's arm stays out.
+    assert (pusher["arm_mode"][-1] == 0).all()

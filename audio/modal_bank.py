@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
-from audio.impact_contact import contact_attenuation, force_pulse
+from audio.impact_contact import contact_attenuation, force_matrix, force_pulse
 from audio.time_grid import SAMPLE_RATE
 
 Phasors = NDArray[np.complex128]
@@ -86,9 +86,9 @@ class Modes:
         if contact not in self._excited:
             force = force_pulse(contact)
             powers = self.powers[:, : force.size]
-            under = np.stack([np.convolve(row, force)[: force.size] for row in powers])
             left = contact_attenuation(self.frequency, contact)
-            self._excited[contact] = left, under, np.asarray((1 / powers) @ force)
+            impulse = np.asarray((1 / powers) @ force)
+            self._excited[contact] = left, powers @ force_matrix(contact), impulse
         return self._excited[contact]
 
     @cached_property

@@ -21,9 +21,6 @@ from audio.score import Score
 from audio.time_grid import TickGrid, tick_grid
 from audio.voice_selection import voice_of
 
-# Places of a bar line in a frame that are tried.
-_PHASES = 64
-
 TempoSource = Literal["scene", "dance", "song", "events", "music", "none"]
 
 
@@ -99,9 +96,8 @@ def _planned(score: Score, source: TempoSource, tempo: Fraction, start: Fraction
         line += -(line // bar) * bar
     if not (score.sound.tempo_map or score.sound.quantise):
         # Moves by whole ticks keep frames and beats whole.
-        ticks = tick_grid(score.rate, clock, line).ticks_per_frame
-        step = Fraction(max(round(ticks / _PHASES), 1)) / ticks
-        moved = nearest_phase(_onset_frames(score), 60 * score.rate / tempo, line, step)
+        tick = 1 / tick_grid(score.rate, clock, line).ticks_per_frame
+        moved = nearest_phase(_onset_frames(score), 60 * score.rate / tempo, line, tick)
         line = moved if moved >= 1 else line
     return TempoPlan(source, clock, tick_grid(score.rate, clock, line))
 

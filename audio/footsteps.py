@@ -70,7 +70,7 @@ RESONATORS = 9
 
 
 RUBBED = 3000.0
-"""Least rate of grains under a foot that rolls or pushes off: it rubs them all, none bursts [1/s]."""
+"""Least rate of grains under a foot that rolls or pushes off, which rubs them all [1/s]."""
 
 SINKS, PULLED_FREE = 1.8, 1.7
 """Time for which claws and hooves crush loose ground, and level at which they leave it, beside a

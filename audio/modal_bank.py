@@ -26,8 +26,8 @@ _BLOCK = 256
 _FIRST_STRETCH = 8
 # Powers in a row of the table that the fine one is made of.
 _ROW = 16
-# What lies below this share of all modes at the impact is left out: -110 dB.
-_INAUDIBLE = 3e-6
+# What lies below this share of all modes at the impact is left out: -102 dB.
+_INAUDIBLE = 8e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +91,17 @@ class Modes:
             self._excited[contact] = left, powers @ force_matrix(contact), impulse
         return self._excited[contact]
 
+    def damped(self, factor: float) -> Modes:
+        """Return the modes with all decays times a factor; the last ones asked for are kept."""
+        if factor not in self._damped:
+            self._damped.clear()
+            self._damped[factor] = Modes(self.frequency, self.decay * factor)
+        return self._damped[factor]
+
+    @cached_property
+    def _damped(self) -> dict[float, Modes]:
+        return {}
+
     @cached_property
     def _excited(self) -> dict[float, tuple[Signal, Phasors, Phasors]]:
         return {}
@@ -126,8 +137,7 @@ class ModalBank:
 
     def with_decay_time(self, seconds: float) -> ModalBank:
         """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
-        decay = self.modes.decay * (self.seconds / seconds)
-        return ModalBank(Modes(self.frequency, decay), self.amplitude)
+        return ModalBank(self.modes.damped(self.seconds / seconds), self.amplitude)
 
     def struck(self, contact: float) -> ModalBank:
         """Return the bank weakened by all of a contact of a duration [s] but its force pulse."""

@@ -81,9 +81,9 @@ def tempo_plan(score: Score) -> TempoPlan:
         return TempoPlan("none", clock, tick_grid(score.rate))
     beat, start = pulse
     clock = beat_clock(60 * score.rate / beat, start / score.rate, _meter(score))
-    # A bar line before the film would have no tick, and one within the first frame no pickup.
-    bar = bar_length(_meter(score)) * beat
-    line = start if start >= 1 or start == 0 else start + bar
+    # A bar line before the film would have no tick, and one within the first frame no pickup. The
+    # pickup begins with the film, so its beats are not quite even: one has no onset within it.
+    line = start if start >= 1 or start == 0 else start + beat
     return TempoPlan("events", clock, tick_grid(score.rate, clock, line))
 
 

@@ -9,7 +9,14 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from audio import footsteps
-from audio.acoustic_materials import FAMILIES, family_name, family_of, solid_of, usual_shape
+from audio.acoustic_materials import (
+    FAMILIES,
+    acoustic_name,
+    family_name,
+    family_of,
+    solid_of,
+    usual_shape,
+)
 from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import (
@@ -47,9 +54,9 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Variants of a blow on the ground and of two bodies that meet, because points and durations of
-# their contacts differ anyway; of what is struck and of grains, because they sound beside the body.
-_BLOW_VARIANTS, _CLASH_VARIANTS, _OTHER_VARIANTS = 8, 4, 4
+# Variants of a blow whose place is known, because places and durations of contacts differ anyway,
+# and of what is struck and of grains, because they sound beside the body.
+_BLOW_VARIANTS = 4
 # Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on
 # grains; of the length of the leg of a footstep, and of the duration of a contact.
 _SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 3
@@ -90,8 +97,8 @@ class SoundParameters:
 
     Attributes:
         cause: of the event.
-        material: of the body that sounds.
-        surface: material of what it met.
+        material: of the body that sounds, without its colour.
+        surface: material of what it met, likewise.
         size: of the body [m]; of a footstep the length of the leg, in quarters of an octave.
         speed: [m/s], in steps of 3 dB; of a footstep and of an impact on grains in steps of 6 dB;
             0 of other impacts, which differ by the duration of their contacts alone.
@@ -143,6 +150,7 @@ def sound_parameters(
         remaining: time to the end of the score [s].
     """
     event, key = note.event, note.event.key
+    material, surface = acoustic_name(event.material), acoustic_name(event.surface)
     is_step = _is_footstep(event.cause, note.tuned, note.decay or 0.0)
     if is_step:
         # Steps of like feet share their syntheses, wherever they strike and however hard.
@@ -158,11 +166,11 @@ def sound_parameters(
         if not is_step and all(family.grain_level is None for family in families):
             speed = 0.0
         if event.spot is not None:
-            variants = _BLOW_VARIANTS if event.struck_shape is None else _CLASH_VARIANTS
+            variants = _BLOW_VARIANTS
     parameters = SoundParameters(
         cause=event.cause,
-        material=event.material,
-        surface=event.surface,
+        material=material,
+        surface=surface,
         size=event.size,
         speed=_quantized(speed, steps) if speed else 0.0,
         distance=_quantized(min(max(event.distance, _NEAR), 1e4), 1),
@@ -272,7 +280,7 @@ def _impact(sound: SoundParameters, seed: int) -> Signal:
     """Return the sound of an impact, without rumble: (N,)."""
     body = sound.material, sound.surface, _shape(sound), sound.contact, sound.distance
     struck = sound.surface, sound.material, sound.struck_shape, sound.contact, sound.distance
-    few = sound.variant % _OTHER_VARIANTS
+    few = sound.variant % _BLOW_VARIANTS
     blows = (
         Blow(*body, sound.variant, spot=sound.spot, pitch=sound.pitch, decay=sound.decay),
         Blow(*struck, few, decay=sound.decay),

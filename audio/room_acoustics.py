@@ -162,7 +162,7 @@ class Reverberator:
             # Around the listener, each from its own side and unlike the others.
             sides = [azimuth for pair in self._layout.bed for azimuth in pair]
             responses = [reverb_response(self.room.seconds, number) for number in range(len(sides))]
-            tails = convolve(self._late, np.stack(responses), single=True)
+            tails = convolve(self._late, np.stack(responses))
             for tail, azimuth in zip(tails, sides, strict=True):
                 for channel, gain in enumerate(self._layout.gains(azimuth)):
                     if gain:

@@ -8,6 +8,7 @@ from math import ceil, log2
 from audio.controller_range import BEND_RANGE
 from audio.loudness_at_listener import SPEED_EXPONENT
 from audio.music.piece import Bend
+from audio.notes import Note
 from audio.score import ScoreEvent
 from audio.time_grid import TickGrid
 
@@ -43,6 +44,22 @@ class ControllerPoint:
     def semitones(self) -> float:
         """Pitch bend in semitones."""
         return BEND_RANGE * self.bend / FULL_BEND
+
+
+def note_curve(note: Note, grid: TickGrid, start: int, end: int) -> tuple[ControllerPoint, ...]:
+    """Return the controller points of a note: of its slide, or of its sustained sound.
+
+    Args:
+        note: of a score.
+        grid: of the score.
+        start: tick of its onset.
+        end: tick of its end.
+    """
+    if note.drum:
+        return ()
+    if note.bend:
+        return bend_curve(note.bend, start, end)
+    return controller_curve(note.event, grid, start, end)
 
 
 def controller_curve(

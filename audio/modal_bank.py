@@ -93,14 +93,15 @@ class Modes:
 
     def damped(self, factor: float) -> Modes:
         """Return the modes with all decays times a factor; the last ones asked for are kept."""
-        if factor not in self._damped:
-            self._damped.clear()
-            self._damped[factor] = Modes(self.frequency, self.decay * factor)
-        return self._damped[factor]
+        kept = self._damped[0]
+        if kept is None or kept[0] != factor:
+            kept = factor, Modes(self.frequency, self.decay * factor)
+            self._damped[0] = kept
+        return kept[1]
 
     @cached_property
-    def _damped(self) -> dict[float, Modes]:
-        return {}
+    def _damped(self) -> list[tuple[float, Modes] | None]:
+        return [None]
 
     @cached_property
     def _excited(self) -> dict[float, tuple[Signal, Phasors, Phasors]]:

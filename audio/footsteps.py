@@ -76,7 +76,7 @@ SINKS, PULLED_FREE = 1.8, 1.7
 """Time for which claws and hooves crush loose ground, and level at which they leave it, beside a
 sole: they are small, sink in and are pulled out."""
 
-CLAW_CREST, SOLE_CREST, FIRM_CREST = 6.0, 8.0, 10.0
+CLAW_CREST, SOLE_CREST, FIRM_CREST = 4.0, 8.0, 10.0
 """Level at which loose ground gives way under claws and soles, and soles on a floor are pressed
 flat, above the mean of the loudest 50 ms [dB]."""
 
@@ -107,7 +107,7 @@ class LooseGround:
 
 
 GROUNDS: Mapping[str, LooseGround] = {
-    "soil": LooseGround((240, 2000), 1100, 0.007, 0.055, 88, 0.45),
+    "soil": LooseGround((240, 2000), 1100, 0.007, 0.055, 88, 0.40),
     "grass": LooseGround((2400, 9000), 900, 0.004, 0.065, 70, 0.40),
     "sand": LooseGround((1700, 6500), 9000, 0.0015, 0.075, 62, 0.28),
     "gravel": LooseGround((1300, 7000), 520, 0.009, 0.065, 95, 0.22),

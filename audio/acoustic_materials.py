@@ -246,6 +246,14 @@ def solid_name(material: str) -> str:
     return _SOLID_BY_WORD.get(known[-1]) or _FAMILY_BY_WORD[known[-1]]
 
 
+@lru_cache(maxsize=1024)
+def acoustic_name(material: str) -> str:
+    """Return the name of a material without what is not heard, such as its colour."""
+    name = solid_name(material)
+    is_same = solid_name(name) == name and family_name(name) == family_name(material)
+    return name if is_same else material
+
+
 def solid_of(material: str) -> Solid:
     """Return the elastic properties of a material, see `solid_name`."""
     return SOLIDS[solid_name(material)]

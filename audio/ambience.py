@@ -243,7 +243,8 @@ def _birds(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
         -np.arange(round(0.5 * SAMPLE_RATE)) / (0.11 * SAMPLE_RATE)
     )
     tail /= np.sqrt((tail**2).sum())
-    return near + 0.5 * np.stack([convolve(side, tail) for side in near.T], axis=-1)
+    answer = [convolve(side, tail, single=True) for side in near.T]
+    return near + 0.5 * np.stack(answer, axis=-1)
 
 
 def _crickets(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:

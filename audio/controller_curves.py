@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log2
+from math import ceil, log2
 
+from audio.controller_range import BEND_RANGE
 from audio.loudness_at_listener import SPEED_EXPONENT
+from audio.music.piece import Bend
+from audio.notes import Note
 from audio.score import ScoreEvent
 from audio.time_grid import TickGrid
-
-BEND_RANGE = 12
-"""Semitones of the full pitch bend, to either side."""
 
 CENTERED, FULL_EXPRESSION = 0, 127
 """Pitch bend and expression of a note without a curve."""
@@ -22,6 +22,8 @@ FULL_BEND = 8192
 _SEMITONES_PER_HALVING = 6.0
 # Smallest change of pitch bend that is sent, 5 cents: finer ones are inaudible.
 _MIN_BEND_CHANGE = 32
+# Steps of a slide [semitones].
+_SLIDE_STEP = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,22 @@ class ControllerPoint:
     def semitones(self) -> float:
         """Pitch bend in semitones."""
         return BEND_RANGE * self.bend / FULL_BEND
+
+
+def note_curve(note: Note, grid: TickGrid, start: int, end: int) -> tuple[ControllerPoint, ...]:
+    """Return the controller points of a note: of its slide, or of its sustained sound.
+
+    Args:
+        note: of a score.
+        grid: of the score.
+        start: tick of its onset.
+        end: tick of its end.
+    """
+    if note.drum:
+        return ()
+    if note.bend:
+        return bend_curve(note.bend, start, end)
+    return controller_curve(note.event, grid, start, end)
 
 
 def controller_curve(
@@ -74,6 +92,38 @@ def controller_curve(
         ):
             points.append(point)
     return tuple(points)
+
+
+def bend_curve(bend: Bend, start: int, end: int) -> tuple[ControllerPoint, ...]:
+    """Return the controller points of a note of the music that is bent; empty for none.
+
+    Args:
+        bend: semitones at shares of its length.
+        start: tick of its onset.
+        end: tick of its end.
+    """
+    points: list[ControllerPoint] = []
+    earlier = (0.0, bend[0][1] if bend else 0.0)
+    for share, semitones in bend:
+        change = semitones - earlier[1]
+        steps = max(ceil(abs(change) / _SLIDE_STEP), 1)
+        for k in range(1, steps + 1):
+            at = earlier[0] + (share - earlier[0]) * k / steps
+            tick = min(start + round(at * (end - start)), end - 1)
+            value = _bend_value(earlier[1] + change * k / steps)
+            if points and points[-1].tick == tick:
+                points.pop()
+            if not points or points[-1].bend != value:
+                points.append(ControllerPoint(tick, value, FULL_EXPRESSION))
+        earlier = share, semitones
+    if points and points[0].tick > start:
+        points.insert(0, ControllerPoint(start, _bend_value(bend[0][1]), FULL_EXPRESSION))
+    return tuple(points)
+
+
+def _bend_value(semitones: float) -> int:
+    value = round(semitones / BEND_RANGE * FULL_BEND)
+    return min(max(value, -FULL_BEND), FULL_BEND - 1)
 
 
 def _interpolate(speeds: tuple[float, ...], fraction: float) -> float:

@@ -62,8 +62,23 @@ SLAP_FALL = np.exp(-np.arange(SLAP) / (0.0035 * SAMPLE_RATE))
 BUBBLES = 7
 """Number of them under a foot in water."""
 
+CREST_WINDOW = round(0.05 * SAMPLE_RATE)
+"""Samples over which the ear takes the mean of a step."""
+
 RESONATORS = 9
 """Kinds of grains of one step."""
+
+
+RUBBED = 3000.0
+"""Least rate of grains under a foot that rolls or pushes off, which rubs them all [1/s]."""
+
+SINKS, PULLED_FREE = 1.8, 1.7
+"""Time for which claws and hooves crush loose ground, and level at which they leave it, beside a
+sole: they are small, sink in and are pulled out."""
+
+CLAW_CREST, SOLE_CREST, FIRM_CREST = 4.0, 8.0, 10.0
+"""Level at which loose ground gives way under claws and soles, and soles on a floor are pressed
+flat, above the mean of the loudest 50 ms [dB]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,10 +107,10 @@ class LooseGround:
 
 
 GROUNDS: Mapping[str, LooseGround] = {
-    "soil": LooseGround((220, 1300), 900, 0.007, 0.050, 82, 0.55),
-    "grass": LooseGround((2400, 9000), 700, 0.004, 0.075, 70, 0.40),
+    "soil": LooseGround((240, 2000), 1100, 0.007, 0.055, 88, 0.40),
+    "grass": LooseGround((2400, 9000), 900, 0.004, 0.065, 70, 0.40),
     "sand": LooseGround((1700, 6500), 9000, 0.0015, 0.075, 62, 0.28),
-    "gravel": LooseGround((1300, 7000), 420, 0.009, 0.080, 95, 0.22),
+    "gravel": LooseGround((1300, 7000), 520, 0.009, 0.065, 95, 0.22),
     "snow": LooseGround((500, 2300), 2600, 0.004, 0.110, 55, 0.30, creak=0.5),
     "water": LooseGround((900, 5200), 500, 0.010, 0.110, 110, 0.30, drops=0.9),
 }
@@ -130,18 +145,23 @@ def footstep(
         speed: at which it comes down [m/s].
         rng: of all that sets one step apart from the next.
     """
-    stages = list(_stages(family_name(material) in HARD, size, speed, rng))
+    is_hard = family_name(material) in HARD
+    stages = list(_stages(is_hard, size, speed, rng))
     samples = round((stages[-1].at + TAIL) * SAMPLE_RATE)
     loose = GROUNDS.get(family_name(surface))
     sound = np.zeros(samples)
     for stage in stages:
         start = round(stage.at * SAMPLE_RATE)
+        level = stage.level
         if loose is not None:
-            part = _crushed(loose, stage, size, rng)
+            part = _crushed(loose, stage, size, rng, SINKS if is_hard else 1.0)
+            level *= PULLED_FREE if is_hard and not stage.strikes else 1.0
         else:
             part = _struck(material, surface, stage, size, speed, rng)
         part = part[: samples - start]
-        sound[start : start + part.size] += stage.level * part
+        sound[start : start + part.size] += level * part
+    crest = FIRM_CREST if loose is None else CLAW_CREST if is_hard else SOLE_CREST
+    sound = yielding(sound, crest)
     # The first touch is heard on its sample.
     least = ONSET * float(np.abs(sound).max())
     sound[0] = np.copysign(max(abs(float(sound[0])), least), sound[0])
@@ -161,19 +181,45 @@ def _stages(is_hard: bool, size: float, speed: float, rng: np.random.Generator) 
         return
     toe = HEEL_TO_TOE * pace * rng.uniform(0.85, 1.2)
     yield Stage(0.0, 1.0, 1.0, True)
-    yield Stage(0.35 * toe, rng.uniform(0.10, 0.22), 1.4, False)
+    yield Stage(0.35 * toe, rng.uniform(0.08, 0.18), 1.2, False)
     yield Stage(toe, rng.uniform(0.55, 0.9), 0.9, True)
-    yield Stage(toe * rng.uniform(*PUSH), rng.uniform(0.10, 0.26), 1.6, False)
+    yield Stage(toe * rng.uniform(*PUSH), rng.uniform(0.10, 0.26), 1.0, False)
 
 
-def _crushed(ground: LooseGround, stage: Stage, size: float, rng: np.random.Generator) -> Signal:
-    """Return the answer of loose ground to a stage, of peak 1: (N,)."""
-    spread = ground.spread * stage.spread * rng.uniform(0.8, 1.25)
+def yielding(sound: Signal, crest_db: float) -> Signal:
+    """Return a sound whose peaks bend below a level: (N,).
+
+    Its peaks become lower beside what is heard, which is its mean over some hundredths of a second.
+
+    Args:
+        sound: (N,).
+        crest_db: that level, above the mean of the loudest 50 ms [dB].
+    """
+    power = np.cumsum(np.pad(sound * sound, (CREST_WINDOW, 0)))
+    loudest = float((power[CREST_WINDOW:] - power[:-CREST_WINDOW]).max(initial=0.0))
+    level = 10 ** (crest_db / 20) * np.sqrt(max(loudest, 1e-30) / CREST_WINDOW)
+    return np.asarray(level * np.tanh(sound / level))
+
+
+def _crushed(
+    ground: LooseGround, stage: Stage, size: float, rng: np.random.Generator, longer: float
+) -> Signal:
+    """Return the answer of loose ground to a stage, of peak 1: (N,).
+
+    Args:
+        ground: that is stepped on.
+        stage: of the step.
+        size: of the leg [m].
+        rng: of all that sets one step apart from the next.
+        longer: than that of a sole it lasts, as a factor.
+    """
+    spread = longer * ground.spread * stage.spread * rng.uniform(0.8, 1.25)
     samples = round((spread + 0.05) * SAMPLE_RATE)
     t = np.arange(samples) / SAMPLE_RATE
     # Most grains give way at once, the others as they settle; what only rubs swells and ebbs.
     envelope = np.exp(-4.0 * t / spread) if stage.strikes else np.sin(np.pi * t / t[-1]) ** 2
-    sound = normalized(_grains(ground, envelope, rng))
+    rate = ground.rate if stage.strikes else max(ground.rate, RUBBED)
+    sound = normalized(_grains(ground, rate, envelope, rng))
     if ground.creak:
         sound = sound + ground.creak * normalized(_creak(ground, envelope, rng))
     if ground.drops and stage.strikes:
@@ -186,9 +232,16 @@ def _crushed(ground: LooseGround, stage: Stage, size: float, rng: np.random.Gene
     return normalized(sound)
 
 
-def _grains(ground: LooseGround, envelope: Signal, rng: np.random.Generator) -> Signal:
-    """Return grains at random times along an envelope, each a short resonance: (N,)."""
-    chance = ground.rate / SAMPLE_RATE * envelope
+def _grains(ground: LooseGround, rate: float, envelope: Signal, rng: np.random.Generator) -> Signal:
+    """Return grains at random times along an envelope, each a short resonance: (N,).
+
+    Args:
+        ground: whose they are.
+        rate: of them, a second, at the strongest.
+        envelope: (N,) from 0 to 1.
+        rng: of all that is random.
+    """
+    chance = rate / SAMPLE_RATE * envelope
     hits = np.flatnonzero(rng.random(envelope.size) < chance)
     # The first touch is heard on its sample.
     hits = np.concatenate(([0], hits))

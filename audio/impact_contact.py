@@ -44,6 +44,17 @@ def force_pulse(seconds: float) -> Signal:
     return force
 
 
+@lru_cache(maxsize=128)
+def force_matrix(seconds: float) -> Signal:
+    """Return the matrix that convolves K samples with a force pulse of K samples: (K, K)."""
+    force = force_pulse(seconds)
+    matrix = np.zeros((force.size, force.size))
+    for k in range(force.size):
+        matrix[k, k:] = force[: force.size - k]
+    matrix.setflags(write=False)
+    return matrix
+
+
 def contact_attenuation(frequency: Signal, seconds: float) -> Signal:
     """Return what the part of a contact beyond the longest force pulse leaves of modes: (M,).
 

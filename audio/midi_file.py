@@ -13,7 +13,7 @@ from pathlib import Path
 
 import mido
 
-from audio.controller_curves import controller_curve
+from audio.controller_curves import note_curve
 from audio.loudness_at_listener import velocity_of_level
 from audio.midi_tracks import PAN, REVERB, conductor_track, note_track
 from audio.notes import Arrangement, Note, arrange
@@ -171,6 +171,10 @@ def _part_note(note: Note, grid: TickGrid, last: int) -> PartNote:
     # A note has at least one tick, even at the very end.
     start = min(grid.tick_at(note.onset), last - 1)
     end = min(max(grid.tick_at(note.onset + Fraction(note.seconds)), start + 1), last)
+    pedal = None
+    if note.pedal is not None:
+        down, up = (min(grid.tick_at(time), last) for time in note.pedal)
+        pedal = (down, up) if down < up else None
     return PartNote(
         start=start,
         end=end,
@@ -178,7 +182,8 @@ def _part_note(note: Note, grid: TickGrid, last: int) -> PartNote:
         velocity=velocity_of_level(note.level),
         pan=_controller(64, note.effective_pan * 64),
         send=_controller(0, note.send * 128),
-        curve=() if note.drum else controller_curve(note.event, grid, start, end),
+        curve=note_curve(note, grid, start, end),
+        pedal=pedal,
     )
 
 

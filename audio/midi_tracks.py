@@ -9,7 +9,8 @@ from operator import attrgetter, itemgetter
 
 import mido
 
-from audio.controller_curves import BEND_RANGE, CENTERED, FULL_EXPRESSION
+from audio.controller_curves import CENTERED, FULL_EXPRESSION
+from audio.controller_range import BEND_RANGE
 from audio.key_signature import score_key
 from audio.notes import Note
 from audio.part_notes import PartNote
@@ -32,6 +33,7 @@ _SMPTE_CODES = {
 _MAX_DELTA = 2**28 - 1
 PAN, REVERB = 10, 91
 """Numbers of controllers."""
+_PEDAL, _DOWN, _UP = 64, 127, 0
 _EXPRESSION = 11
 # Registered parameter 0 is the pitch bend range in semitones and cents; parameter (127, 127) is
 # none, so that later data entries of other programs change nothing.
@@ -109,6 +111,7 @@ def note_track(
     if resets:
         head.append((0, _gm_reset()))
     ends: list[TimedMessage] = []
+    pedals: list[TimedMessage] = []
     rest: list[TimedMessage] = []
     for part, notes in parts:
         head += _part_setup(part, notes)
@@ -116,8 +119,9 @@ def note_track(
             (note.end, mido.Message("note_off", channel=note.channel, note=note.pitch, velocity=0))
             for note in sorted(notes, key=attrgetter("end"))
         ]
+        pedals += _pedal_messages(part, notes)
         rest += _part_messages(part, notes)
-    return _track(layout.name, [*head, *ends, *rest], end)
+    return _track(layout.name, [*head, *ends, *pedals, *rest], end)
 
 
 def _gm_reset() -> mido.Message:
@@ -140,6 +144,13 @@ def _part_setup(part: Part, notes: list[PartNote]) -> Iterator[TimedMessage]:
         if any(note.curve for note in notes):
             for number, value in _BEND_RANGE_MESSAGES:
                 yield _control_change(channel, 0, number, value)
+
+
+def _pedal_messages(part: Part, notes: list[PartNote]) -> Iterator[TimedMessage]:
+    """Yield when the sustain pedal of a part goes down and comes up."""
+    for down, up in sorted({note.pedal for note in notes if note.pedal is not None}):
+        yield _control_change(part.channel, down, _PEDAL, _DOWN)
+        yield _control_change(part.channel, up, _PEDAL, _UP)
 
 
 def _part_messages(part: Part, notes: list[PartNote]) -> Iterator[TimedMessage]:

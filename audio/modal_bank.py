@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
-from audio.impact_contact import contact_attenuation, force_pulse
+from audio.impact_contact import contact_attenuation, force_matrix, force_pulse
 from audio.time_grid import SAMPLE_RATE
 
 Phasors = NDArray[np.complex128]
@@ -26,8 +26,8 @@ _BLOCK = 256
 _FIRST_STRETCH = 8
 # Powers in a row of the table that the fine one is made of.
 _ROW = 16
-# What lies below this share of all modes at the impact is left out: -110 dB.
-_INAUDIBLE = 3e-6
+# What lies below this share of all modes at the impact is left out: -102 dB.
+_INAUDIBLE = 8e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +86,22 @@ class Modes:
         if contact not in self._excited:
             force = force_pulse(contact)
             powers = self.powers[:, : force.size]
-            under = np.stack([np.convolve(row, force)[: force.size] for row in powers])
             left = contact_attenuation(self.frequency, contact)
-            self._excited[contact] = left, under, np.asarray((1 / powers) @ force)
+            impulse = np.asarray((1 / powers) @ force)
+            self._excited[contact] = left, powers @ force_matrix(contact), impulse
         return self._excited[contact]
+
+    def damped(self, factor: float) -> Modes:
+        """Return the modes with all decays times a factor; the last ones asked for are kept."""
+        kept = self._damped[0]
+        if kept is None or kept[0] != factor:
+            kept = factor, Modes(self.frequency, self.decay * factor)
+            self._damped[0] = kept
+        return kept[1]
+
+    @cached_property
+    def _damped(self) -> list[tuple[float, Modes] | None]:
+        return [None]
 
     @cached_property
     def _excited(self) -> dict[float, tuple[Signal, Phasors, Phasors]]:
@@ -126,8 +138,7 @@ class ModalBank:
 
     def with_decay_time(self, seconds: float) -> ModalBank:
         """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
-        decay = self.modes.decay * (self.seconds / seconds)
-        return ModalBank(Modes(self.frequency, decay), self.amplitude)
+        return ModalBank(self.modes.damped(self.seconds / seconds), self.amplitude)
 
     def struck(self, contact: float) -> ModalBank:
         """Return the bank weakened by all of a contact of a duration [s] but its force pulse."""

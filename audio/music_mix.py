@@ -10,6 +10,7 @@ import numpy as np
 from audio.buses import bus_gain_db, yielding
 from audio.config.sound import Sound
 from audio.dsp import Gain, Signal, mix_in, pan_gains
+from audio.instruments.bent_tone import BendInTime, bent, read_seconds
 from audio.instruments.instrument_sound import InstrumentNote, instrument_note, instrument_sound
 from audio.layouts import STEREO, Layout
 from audio.loudness_at_listener import velocity_of_level
@@ -49,13 +50,16 @@ def mix_music(
     reverberator = Reverberator(_STUDIO, samples, layout)
     bus = gain * 10 ** (bus_gain_db(sound.mix, MUSIC) / 20)
     # Each sound is synthesised once, and kept only while its notes are mixed.
-    alike: dict[InstrumentNote, list[Note]] = defaultdict(list)
+    alike: dict[tuple[InstrumentNote, BendInTime], list[Note]] = defaultdict(list)
     for note in played:
         program = DRUMS if note.drum else note.program
         velocity = velocity_of_level(note.level)
-        alike[instrument_note(program, note.pitch, velocity, note.seconds)].append(note)
-    for parameters, group in alike.items():
-        tone = instrument_sound(parameters)
+        bend = tuple((share * note.seconds, semitones) for share, semitones in note.bend)
+        seconds = read_seconds(bend, note.rings or note.seconds)
+        parameters = instrument_note(program, note.pitch, velocity, seconds)
+        alike[parameters, bend].append(note)
+    for (parameters, bend), group in alike.items():
+        tone = bent(instrument_sound(parameters), bend)
         for note in group:
             start, level = sample_at(note.onset), bus * 10 ** (note.level / 20)
             mix_in(own, start, tone, _gains(note, level, layout))

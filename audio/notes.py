@@ -14,6 +14,7 @@ from audio.errors import ScoreError
 from audio.general_midi import drum_key, program_number
 from audio.harmony import Scale, fold_pitch, parse_steps
 from audio.loudness_at_listener import event_level, level_of_velocity, pan_of, reverb_send
+from audio.music.piece import Bend
 from audio.music.scene_music import music_of
 from audio.note_groups import NoteGroup, note_groups
 from audio.parts import DRUMS
@@ -70,6 +71,9 @@ class Note:
         drum: whether it is played on the drum channel.
         pan: configured pan from left (-1) to right (1); None for that of the event.
         is_first: whether it is the first note of its event; others belong to a chord or phrase.
+        bend: of a note of the music, semitones at shares of its length; empty for none.
+        pedal: times from which, and until which, the sustain pedal is down that holds it [s].
+        rings: time for which it sounds under the pedal [s]; None for its length.
     """
 
     event: ScoreEvent
@@ -84,6 +88,9 @@ class Note:
     drum: bool = False
     pan: float | None = None
     is_first: bool = True
+    bend: Bend = ()
+    pedal: tuple[Fraction, Fraction] | None = None
+    rings: float | None = None
 
     @property
     def effective_pan(self) -> float:
@@ -180,12 +187,20 @@ def _music_notes(score: Score, plan: TempoPlan) -> Iterator[Note]:
         event = ScoreEvent(
             frame=grid.frame_at(tick), time=onset, cause=MUSIC, who=f"{MUSIC} {each.part}"
         )
+        pedal, rings = None, None
+        if each.pedal is not None and each.rings is not None:
+            down, up = (grid.seconds(max(grid.tick_of_beat(beat), 0)) for beat in each.pedal)
+            pedal = down, up
+            rings = float(grid.seconds(grid.tick_of_beat(each.beat + each.rings)) - onset)
         yield Note(
             event=event,
             onset=onset,
             program=max(each.program, 0),
             pitch=each.pitch,
             seconds=float(grid.seconds(grid.tick_of_beat(each.beat + each.beats)) - onset),
+            bend=each.bend,
+            pedal=pedal,
+            rings=rings,
             level=level_of_velocity(each.velocity) + each.gain_db + score.sound.volume_db,
             tuned=True,
             send=each.reverb,

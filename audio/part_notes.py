@@ -28,6 +28,7 @@ class PartNote:
         send: reverb controller, 0 to 127.
         curve: controller points from its start on; empty for none.
         channel: 0 to 15.
+        pedal: ticks from which, and until which, the sustain pedal is down that holds it.
     """
 
     start: int
@@ -38,6 +39,7 @@ class PartNote:
     send: int = 0
     curve: tuple[ControllerPoint, ...] = ()
     channel: int = -1
+    pedal: tuple[int, int] | None = None
 
 
 @dataclass(slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from math import log2
 
 from audio.config.pitch import first_note_of_rule
@@ -118,6 +119,7 @@ def pitch_by_rule(rule: str, event: ScoreEvent, rank: PartRank, scale: Scale, pr
     return fold_pitch(scale.pitch(degree + rank.index % steps), lowest, highest)
 
 
+@lru_cache(maxsize=4096)
 def _degree_of_size(size: float, scale: Scale, lowest: int, highest: int) -> int:
     pitch = _REFERENCE.pitch - _REFERENCE.slope * log2(size / _REFERENCE.size)
     return scale.degree(min(max(pitch, lowest), highest))

@@ -168,35 +168,31 @@ def simplest_fraction(low: float, high: float) -> Fraction:
 
 
 def nearest_phase(
-    frames: NDArray[np.int64], unit: Fraction, start: Fraction, step: Fraction
+    frames: NDArray[np.int64], unit: Fraction, start: Fraction, tick: Fraction
 ) -> Fraction:
     """Return the start of a grid, moved by at most a frame so that onsets are near it.
 
     Causes are shown up to a frame after they happen, and hands touch just before their beat. The
-    start is moved no further than serves 95 % of the onsets within a frame of the grid.
+    start is moved no further than serves as many as possible of the onsets within a frame of it.
 
     Args:
         frames: of the onsets, from 0.
         unit: of the grid [frames].
         start: of the grid [frames].
-        step: of which the move is a multiple [frames].
+        tick: of which the move is a multiple [frames].
     """
-    onsets = frames.astype(float)
-    onsets = onsets[np.abs(_distances(onsets, float(unit), float(start))) <= 1.0 + 1e-9]
-    if not onsets.size:
+    distances = _distances(frames.astype(float), float(unit), float(start))
+    near = np.sort(distances[np.abs(distances) <= 1.0 + 1e-9])
+    if not near.size:
         return start
-    shifts = [Fraction(0)]
-    for count in range(1, int(1 / step) + 1):
-        shifts += [count * step, -count * step]
-    starts = [start + shift for shift in shifts if start + shift >= 0]
-    best, best_share = start, -1.0
-    # Exactly, else to the resolution of the moves.
-    for bound in (0.5 + 1e-9, 0.5 + float(step)):
-        for moved in starts:
-            distances = _distances(onsets, float(unit), float(moved))
-            share = float((np.abs(distances) <= bound).mean())
-            if share >= SHARE_ON_GRID:
-                return moved
-            if share > best_share and bound < 0.5 + float(step):
-                best, best_share = moved, share
-    return best
+    # An onset is within half a frame of all starts from its lower edge to its upper one, so the
+    # first start that serves most of them is at an edge of one.
+    lower = np.ceil((near - 0.5) / float(tick) - 1e-6)
+    upper = np.floor((near + 0.5) / float(tick) + 1e-6)
+    moves = np.unique(np.concatenate(([0.0], lower, upper)))
+    least = -float(min(start / tick, 1 / tick))
+    moves = moves[(moves >= least) & (moves <= float(1 / tick))]
+    moves = moves[np.argsort(np.abs(moves), kind="stable")]
+    first = np.searchsorted(near, moves * float(tick) - 0.5 - 1e-9, "left")
+    last = np.searchsorted(near, moves * float(tick) + 0.5 + 1e-9, "right")
+    return start + int(moves[np.argmax(last - first)]) * tick

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from math import isfinite
 from typing import Literal
 
@@ -168,7 +169,7 @@ class Score:
 
     def onset(self, event: ScoreEvent) -> Fraction:
         """Return the time of an event's sound [s]."""
-        return event.time if self.subframe else (event.frame - 1) / self.rate
+        return event.time if self.subframe else _frame_time(event.frame, self.rate)
 
     def validate(self) -> None:
         """Check length, rate and events.
@@ -180,14 +181,15 @@ class Score:
             raise ScoreError(f"a score has at least one frame; got {self.frames}")
         if self.rate <= 0:
             raise ScoreError(f"a frame rate is positive; got {self.rate}")
+        end = self.frames / self.rate
         for event in self.events:
-            self._validate_event(event)
+            self._validate_event(event, end)
 
-    def _validate_event(self, event: ScoreEvent) -> None:
+    def _validate_event(self, event: ScoreEvent, end: Fraction) -> None:
         name = f"{event.cause} of {event.who}.{event.part} at frame {event.frame}"
         if not 1 <= event.frame <= self.frames:
             raise ScoreError(f"{name} lies outside frames 1 to {self.frames}")
-        if not 0 <= self.onset(event) < self.frames / self.rate:
+        if not 0 <= self.onset(event) < end:
             raise ScoreError(f"{name}: its time, {float(event.time):.6g} s, lies outside the film")
         if not all(isfinite(speed) and speed >= 0 for speed in event.speeds):
             raise ScoreError(f"{name}: speeds must be finite and not negative")
@@ -198,3 +200,9 @@ class Score:
             raise ScoreError(
                 f"{name}: size must be positive; distance, duration and energy not negative"
             )
+
+
+@lru_cache(maxsize=4096)
+def _frame_time(frame: int, rate: Fraction) -> Fraction:
+    """Return the time of a frame [s]; a crash has hundreds of events on one."""
+    return (frame - 1) / rate

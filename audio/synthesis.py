@@ -9,7 +9,14 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from audio import footsteps
-from audio.acoustic_materials import FAMILIES, family_name, family_of, solid_of, usual_shape
+from audio.acoustic_materials import (
+    FAMILIES,
+    acoustic_name,
+    family_name,
+    family_of,
+    solid_of,
+    usual_shape,
+)
 from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import (
@@ -17,6 +24,7 @@ from audio.dsp import (
     convolve,
     noise_at_rate,
     normalized,
+    peak_of,
     without_rumble,
 )
 from audio.harmony import frequency_of
@@ -46,12 +54,12 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Variants of two bodies that meet, because points and durations of their contacts differ anyway;
-# of what is struck and of grains, because they sound beside the body.
-_CLASH_VARIANTS, _OTHER_VARIANTS = 8, 4
+# Variants of a blow whose place is known, because places and durations of contacts differ anyway,
+# and of what is struck and of grains, because they sound beside the body.
+_BLOW_VARIANTS = 4
 # Steps in each octave: of the speed of a motion, whose pitch follows it, and of an impact on
 # grains; of the length of the leg of a footstep, and of the duration of a contact.
-_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 4
+_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES, _CONTACTS = 2, 1, 4, 3
 # Distance below which air takes nothing that is heard: 0.6 dB at 10 kHz [m].
 _NEAR = 4.0
 # Random variation of the level [dB].
@@ -89,8 +97,8 @@ class SoundParameters:
 
     Attributes:
         cause: of the event.
-        material: of the body that sounds.
-        surface: material of what it met.
+        material: of the body that sounds, without its colour.
+        surface: material of what it met, likewise.
         size: of the body [m]; of a footstep the length of the leg, in quarters of an octave.
         speed: [m/s], in steps of 3 dB; of a footstep and of an impact on grains in steps of 6 dB;
             0 of other impacts, which differ by the duration of their contacts alone.
@@ -101,7 +109,7 @@ class SoundParameters:
         variant: number of the random variant.
         spot: point of impact along the longest axis, in steps of a 16th; None if unknown. Mirror
             images of a point are the same.
-        contact: duration of the contact of an impact, in quarters of an octave [s].
+        contact: duration of the contact of an impact, in thirds of an octave [s].
         shape: of the body; None for that usual for its material.
         struck_shape: of the body that it met; None for the ground.
         full_duration: of the sustained sound, with the part after the end of the score [s].
@@ -142,6 +150,7 @@ def sound_parameters(
         remaining: time to the end of the score [s].
     """
     event, key = note.event, note.event.key
+    material, surface = acoustic_name(event.material), acoustic_name(event.surface)
     is_step = _is_footstep(event.cause, note.tuned, note.decay or 0.0)
     if is_step:
         # Steps of like feet share their syntheses, wherever they strike and however hard.
@@ -156,12 +165,12 @@ def sound_parameters(
         families = family_of(event.material), family_of(event.surface)
         if not is_step and all(family.grain_level is None for family in families):
             speed = 0.0
-        if event.struck_shape is not None and event.spot is not None:
-            variants = _CLASH_VARIANTS
+        if event.spot is not None:
+            variants = _BLOW_VARIANTS
     parameters = SoundParameters(
         cause=event.cause,
-        material=event.material,
-        surface=event.surface,
+        material=material,
+        surface=surface,
         size=event.size,
         speed=_quantized(speed, steps) if speed else 0.0,
         distance=_quantized(min(max(event.distance, _NEAR), 1e4), 1),
@@ -233,7 +242,8 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
 
 def _finished(signal: Signal) -> Signal:
     """Return a sound of peak 1 with an end and an onset: (N,)."""
-    signal = normalized(faded(signal, min(FADE, signal.size)))
+    signal = faded(signal, min(FADE, signal.size))
+    signal *= 1 / max(peak_of(signal), 1e-300)
     # The onset must be detectable on its sample.
     signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
     return signal
@@ -270,26 +280,26 @@ def _impact(sound: SoundParameters, seed: int) -> Signal:
     """Return the sound of an impact, without rumble: (N,)."""
     body = sound.material, sound.surface, _shape(sound), sound.contact, sound.distance
     struck = sound.surface, sound.material, sound.struck_shape, sound.contact, sound.distance
-    few = sound.variant % _OTHER_VARIANTS
+    few = sound.variant % _BLOW_VARIANTS
     blows = (
         Blow(*body, sound.variant, spot=sound.spot, pitch=sound.pitch, decay=sound.decay),
         Blow(*struck, few, decay=sound.decay),
     )
-    layers = [BLOWS.sound(blow, seed) for blow in blows]
+    rings = [BLOWS.sound(blow, seed) for blow in blows]
     if sound.struck_shape is None:
         # The ground yields the more, the softer it is.
         young = solid_of(sound.material).young
         compliance = young / (young + solid_of(sound.surface).young)
         level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
-        layers = [(1 - level) * normalized(layers[0]), level * normalized(layers[1])]
+        layers = [(1 - level, rings[0]), (level, rings[1])]
     else:
-        layers = [normalized(_sum(layers))]
+        layers = [(1.0, _sum(rings))]
     for name in (family_name(sound.material), family_name(sound.surface)):
         level_db = FAMILIES[name].grain_level
         if level_db is not None:
             grains = Grains(name, sound.speed, sound.distance, few, sound.decay)
-            layers.append(10 ** (level_db / 20) * normalized(GRAINS.sound(grains, seed)))
-    return _sum(layers)
+            layers.append((10 ** (level_db / 20), GRAINS.sound(grains, seed)))
+    return _sum([(peak / max(peak_of(layer), 1e-300)) * layer for peak, layer in layers])
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
@@ -320,9 +330,10 @@ def _friction(
     bank = _own_modes(sound, rng).with_decay_time(_FRICTION_RING)
     body = ring_in_air(bank, sound.distance)
     # The slope of the profile excites the body: read slowly, it hardly does.
-    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * FADE])
+    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * FADE], single=True)
     signal = normalized(noise)
-    signal += _FRICTION_RESONANCE * normalized(excited)
+    excited *= _FRICTION_RESONANCE / max(peak_of(excited), 1e-300)
+    signal += excited
     rise, fall = signal[:_RISE], signal[-4 * FADE :]
     rise *= np.arange(1.0, rise.size + 1) / _RISE
     fall *= np.arange(fall.size, 0.0, -1.0) / (4 * FADE)

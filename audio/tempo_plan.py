@@ -21,9 +21,6 @@ from audio.score import Score
 from audio.time_grid import TickGrid, tick_grid
 from audio.voice_selection import voice_of
 
-# Places of a bar line in a frame that are tried.
-_PHASES = 64
-
 TempoSource = Literal["scene", "dance", "song", "events", "music", "none"]
 
 
@@ -84,9 +81,9 @@ def tempo_plan(score: Score) -> TempoPlan:
         return TempoPlan("none", clock, tick_grid(score.rate))
     beat, start = pulse
     clock = beat_clock(60 * score.rate / beat, start / score.rate, _meter(score))
-    # A bar line before the film would have no tick, and one within the first frame no pickup.
-    bar = bar_length(_meter(score)) * beat
-    line = start if start >= 1 or start == 0 else start + bar
+    # A bar line before the film would have no tick, and one within the first frame no pickup. The
+    # pickup begins with the film, so its beats are not quite even: one has no onset within it.
+    line = start if start >= 1 or start == 0 else start + beat
     return TempoPlan("events", clock, tick_grid(score.rate, clock, line))
 
 
@@ -99,9 +96,8 @@ def _planned(score: Score, source: TempoSource, tempo: Fraction, start: Fraction
         line += -(line // bar) * bar
     if not (score.sound.tempo_map or score.sound.quantise):
         # Moves by whole ticks keep frames and beats whole.
-        ticks = tick_grid(score.rate, clock, line).ticks_per_frame
-        step = Fraction(max(round(ticks / _PHASES), 1)) / ticks
-        moved = nearest_phase(_onset_frames(score), 60 * score.rate / tempo, line, step)
+        tick = 1 / tick_grid(score.rate, clock, line).ticks_per_frame
+        moved = nearest_phase(_onset_frames(score), 60 * score.rate / tempo, line, tick)
         line = moved if moved >= 1 else line
     return TempoPlan(source, clock, tick_grid(score.rate, clock, line))
 

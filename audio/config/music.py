@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from audio.config import AudioConfig, checked_by, listed_in
 from audio.config.quantisation import GridName
+from audio.controller_range import BEND_RANGE
 from audio.general_midi import drum_key, program_number
 from audio.harmony import parse_note
 from audio.music.chord_symbols import parse_symbol
@@ -20,18 +21,43 @@ PartName = Annotated[str, Field(min_length=1, max_length=40, pattern=r"^[\w -]+$
 Octaves = Annotated[int, Field(ge=-8, le=8)]
 _LONGEST_TEXT = 8192
 _REPEATED = re.compile(r"(.+?)\s+x\s*(\d{1,3})")
+_MAX_SLIDES = 8
 _DEGREE = re.compile(r"-?\d{1,2}")
+
+
+SLIDE = ">"
+"""Between the pitches of a slide."""
 
 
 def _check_notes(text: str) -> str:
     for bar in parse_bars(text):
         for step in bar:
-            if step.text != "_" and not _DEGREE.fullmatch(step.text):
-                try:
-                    parse_note(step.text)
-                except ValueError as error:
-                    raise ValueError(f"{error}, or a degree of the scale such as 0 or -2") from None
+            if step.text != "_":
+                _check_slide(step.text)
     return text
+
+
+def _check_slide(text: str) -> None:
+    """Check a note, or the notes of a slide from one to the next."""
+    names = text.split(SLIDE)
+    keys = [_checked_pitch(name) for name in names]
+    if len(keys) > _MAX_SLIDES:
+        raise NotationFault(f"{text!r}: a slide has at most {_MAX_SLIDES} notes")
+    named = [key for key in keys if key is not None]
+    if len(named) == len(keys) and max(map(abs, (key - named[0] for key in named))) > BEND_RANGE:
+        raise NotationFault(
+            f"{text!r}: a slide goes at most {BEND_RANGE} semitones from its first note"
+        )
+
+
+def _checked_pitch(text: str) -> int | None:
+    """Return the pitch of a name, None of a degree of a scale that is not known here."""
+    if _DEGREE.fullmatch(text):
+        return None
+    try:
+        return parse_note(text)
+    except ValueError as error:
+        raise ValueError(f"{error}, or a degree of the scale such as 0 or -2") from None
 
 
 def _check_tones(text: str) -> str:
@@ -50,6 +76,14 @@ def _check_strokes(text: str) -> str:
     return text
 
 
+def _check_pedal(text: str) -> str:
+    for bar in parse_bars(text, strokes=True):
+        for step in bar:
+            if step.text == "X":
+                raise NotationFault("a pedal has no accent; write x (down), o (up) and dots")
+    return text
+
+
 def _check_chords(text: str) -> str:
     for bar in parse_bars(text):
         for step in bar:
@@ -62,6 +96,7 @@ BarText = Annotated[str, Field(min_length=1, max_length=_LONGEST_TEXT)]
 Notes = Annotated[BarText, checked_by(_check_notes)]
 Tones = Annotated[BarText, checked_by(_check_tones)]
 Strokes = Annotated[BarText, checked_by(_check_strokes)]
+Pedal = Annotated[BarText, checked_by(_check_pedal)]
 Chords = Annotated[BarText, checked_by(_check_chords)]
 DrumName = Annotated[str, checked_by(drum_key), listed_in("drums")]
 
@@ -88,6 +123,11 @@ class Line(AudioConfig):
     drums: dict[DrumName, Strokes] | None = Field(
         None, description="Bars of strokes for each drum, such as {bass drum: 'x...x...'}."
     )
+    pedal: Pedal | None = Field(
+        None,
+        description="Bars of strokes of the sustain pedal: x goes down, anew where it is down, o "
+        "comes up, dots change nothing; it comes up where the section ends.",
+    )
     level_db: float = Field(0.0, ge=-60, le=24, description="Gain in this section [dB].")
 
     @model_validator(mode="after")
@@ -99,6 +139,8 @@ class Line(AudioConfig):
             raise ValueError(f"give one of {', '.join(kinds)}; got {got}")
         if self.arpeggio is None and (more := {"step", "octaves"} & self.model_fields_set):
             raise ValueError(f"{' and '.join(sorted(more))} belong to an arpeggio; remove them")
+        if self.drums is not None and self.pedal is not None:
+            raise ValueError("drums have no pedal; remove pedal")
         return self
 
     @property
@@ -111,6 +153,7 @@ class Line(AudioConfig):
         """Number of bars that are written."""
         texts = [text for text in (self.notes, self.tones) if text is not None]
         strokes = [self.rhythm] if self.rhythm is not None else list((self.drums or {}).values())
+        strokes += [] if self.pedal is None else [self.pedal]
         counts = [len(parse_bars(text)) for text in texts]
         return max([*counts, *(len(parse_bars(text, strokes=True)) for text in strokes)], default=1)
 
@@ -138,6 +181,9 @@ class MusicPart(AudioConfig):
     reverb: float = Field(0.25, ge=0, le=1, description="Share that is reverberated; 0 is dry.")
 
 
+SwingShare = Annotated[float, Field(ge=0.5, le=0.75)]
+
+
 class MusicSection(AudioConfig):
     """Some bars of the music."""
 
@@ -150,6 +196,10 @@ class MusicSection(AudioConfig):
     )
     play: dict[PartName, LineOrNotes] = Field(
         description="What each part plays: bars of notes, or a mapping. Shorter ones repeat."
+    )
+
+    swing: SwingShare | None = Field(
+        None, description="Share of the first of two steps in this section; that of the music."
     )
 
     @model_validator(mode="after")
@@ -203,6 +253,10 @@ class Music(AudioConfig):
     )
     first_bar: int = Field(1, ge=1, le=10_000, description="Bar of the score at which it begins.")
     transpose: int = Field(0, ge=-48, le=48, description="Semitones higher, or lower.")
+    swing: SwingShare = Field(
+        0.5, description="Share of the first of two steps: 0.5 is even, 0.667 a triplet's swing."
+    )
+    swing_step: GridName = Field("1/8", description="Note value of the steps that swing.")
     level_db: float = Field(
         0.0,
         ge=-60,
@@ -231,6 +285,8 @@ class Music(AudioConfig):
             )
         if not self.sections and (self.parts or self.form):
             raise ValueError("parts and form belong to sections; give sections, or leave them out")
+        if self.file is not None and (swung := {"swing", "swing_step"} & self.model_fields_set):
+            raise ValueError(f"a song swings as it is played; remove {' and '.join(sorted(swung))}")
         if self.generate is not None and "loop" in self.model_fields_set:
             raise ValueError("generated music never repeats; remove loop")
         for section in self.sections.values():

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 
-from audio.config.music import Line, Music, MusicPart, MusicSection
+from audio.config.music import SLIDE, Line, Music, MusicPart, MusicSection
 from audio.config.quantisation import beats_of_grid
+from audio.controller_range import BEND_RANGE
 from audio.general_midi import drum_key, program_number
 from audio.harmony import MIDDLE_C, Chord, Scale, fold_pitch, parse_note
 from audio.music.chord_symbols import Numeral, parse_symbol
 from audio.music.notation import HOLD, Step, parse_bars
-from audio.music.piece import Bar, PieceNote
+from audio.music.piece import Bar, Bend, PieceNote
+from audio.music.sustain_pedal import pedal_spans, with_pedal
+from audio.music.swing import Swing
 from audio.parts import DRUMS
 
 _ACCENT, _SOFT = 22, 0.55
@@ -53,8 +57,10 @@ def compose(music: Music, scale: Scale, bars: Sequence[Bar]) -> Iterator[PieceNo
             section = music.sections[name]
             own = bars[at : at + section.length]
             at += section.length
+            swing = section_swing(music, section)
             for part, line in section.play.items():
-                yield from _line_notes(part, music.parts[part], line, section, scale, own)
+                notes = _line_notes(part, music.parts[part], line, section, scale, own, swing)
+                yield from _held_notes(notes, line, own, swing)
         if not music.loop:
             return
 
@@ -73,33 +79,68 @@ def check_chords(music: Music, scale: Scale) -> None:
                 raise ValueError(f"music.sections.{name}.chords: {error}") from None
 
 
+def section_swing(music: Music, section: MusicSection | None = None) -> Swing:
+    """Return the swing of a section; without one that of the music."""
+    own = None if section is None else section.swing
+    share = music.swing if own is None else own
+    return Swing(Fraction(str(share)), beats_of_grid(music.swing_step))
+
+
+def _held_notes(
+    notes: Iterator[PieceNote], line: Line, bars: Sequence[Bar], swing: Swing
+) -> Iterator[PieceNote]:
+    """Yield the notes of a line as its pedal holds them."""
+    if line.pedal is None or not bars:
+        yield from notes
+        return
+    strokes = [
+        (swing.beat(stroke.beat, bars), stroke.text == "x")
+        for stroke in _strokes(line.pedal, bars, strokes=True)
+    ]
+    yield from with_pedal(notes, pedal_spans(strokes, bars[-1].beat + bars[-1].beats))
+
+
 def _line_notes(
-    name: str, part: MusicPart, line: Line, section: MusicSection, scale: Scale, bars: Sequence[Bar]
+    name: str,
+    part: MusicPart,
+    line: Line,
+    section: MusicSection,
+    scale: Scale,
+    bars: Sequence[Bar],
+    swing: Swing,
 ) -> Iterator[PieceNote]:
     middle = MIDDLE_C + 12 * part.octave
     if line.drums is not None:
         for drum, text in line.drums.items():
             for stroke in _strokes(text, bars, strokes=True):
-                yield _note(name, part, line, stroke, drum_key(drum), DRUMS)
+                yield _note(name, part, line, _swung(stroke, swing, bars), drum_key(drum), DRUMS)
         return
     program = program_number(part.instrument or "")
-    for stroke, pitches in _melodic_strokes(line, section, scale, bars, middle):
+    for stroke, pitches, bend in _melodic_strokes(line, section, scale, bars, middle):
         for pitch in pitches:
-            yield _note(name, part, line, stroke, pitch, program)
+            note = _note(name, part, line, _swung(stroke, swing, bars), pitch, program)
+            yield replace(note, bend=bend) if bend else note
+
+
+def _swung(stroke: Stroke, swing: Swing, bars: Sequence[Bar]) -> Stroke:
+    beat = swing.beat(stroke.beat, bars)
+    end = swing.beat(stroke.beat + stroke.beats, bars)
+    return replace(stroke, beat=beat, beats=end - beat)
 
 
 def _melodic_strokes(
     line: Line, section: MusicSection, scale: Scale, bars: Sequence[Bar], middle: int
-) -> Iterator[tuple[Stroke, Sequence[int]]]:
-    """Yield the strokes of a line with their pitches."""
+) -> Iterator[tuple[Stroke, Sequence[int], Bend]]:
+    """Yield the strokes of a line with their pitches and slides."""
     if line.notes is not None:
         for stroke in _strokes(line.notes, bars):
-            yield stroke, (_pitch(stroke.text, scale, middle),)
+            first, *others = (_pitch(text, scale, middle) for text in stroke.text.split(SLIDE))
+            yield stroke, (first,), slide([pitch - first for pitch in others])
         return
     chords = list(_chords(section, scale, bars))
     if line.rhythm is not None:
         for stroke in _strokes(line.rhythm, bars, strokes=True):
-            yield stroke, _close_voicing(_chord_at(chords, stroke.beat), middle)
+            yield stroke, _close_voicing(_chord_at(chords, stroke.beat), middle), ()
         return
     tones = (
         _arpeggio(line, chords, bars)
@@ -107,7 +148,24 @@ def _melodic_strokes(
         else ((stroke, int(stroke.text)) for stroke in _strokes(line.tones, bars))
     )
     for stroke, tone in tones:
-        yield stroke, (_tone(_chord_at(chords, stroke.beat).near(middle), tone),)
+        yield stroke, (_tone(_chord_at(chords, stroke.beat).near(middle), tone),), ()
+
+
+def slide(intervals: Sequence[int]) -> Bend:
+    """Return the bend of a note that slides to others.
+
+    All pitches share its length evenly; it slides in the halves of their shares that meet.
+
+    Args:
+        intervals: of the pitches above the first, in the order of time [semitones].
+    """
+    if not intervals:
+        return ()
+    pitches, share = [0, *intervals], 1 / (len(intervals) + 1)
+    points = []
+    for k, (earlier, later) in enumerate(pairwise(pitches), start=1):
+        points += [((k - 0.25) * share, float(earlier)), ((k + 0.25) * share, float(later))]
+    return tuple((at, min(max(value, -BEND_RANGE), BEND_RANGE)) for at, value in points)
 
 
 def _note(

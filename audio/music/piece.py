@@ -9,6 +9,9 @@ from fractions import Fraction
 from audio.beat_clock import MeterChange
 from audio.config.meter import bar_length
 
+Bend = tuple[tuple[float, float], ...]
+"""(share of the length of a note, semitones), in the order of time."""
+
 
 @dataclass(frozen=True, slots=True)
 class PieceNote:
@@ -24,6 +27,10 @@ class PieceNote:
         gain_db: of its part [dB].
         pan: from left (-1) to right (1).
         reverb: share that is reverberated.
+        bend: semitones by which it is bent at shares of its length, on lines between them and as at
+            the last after it; empty for none.
+        pedal: beats from which, and until which, the sustain pedal is down that holds it.
+        rings: beats for which it sounds under the pedal, at least its length.
     """
 
     beat: Fraction
@@ -35,6 +42,9 @@ class PieceNote:
     gain_db: float = 0.0
     pan: float = 0.0
     reverb: float = 0.25
+    bend: Bend = ()
+    pedal: tuple[Fraction, Fraction] | None = None
+    rings: Fraction | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from audio.beat_clock import BeatClock
 from audio.harmony import fold_pitch, parse_steps
-from audio.music.composition import compose
+from audio.music.composition import compose, section_swing
 from audio.music.generator import generate
 from audio.music.piece import Bar, PieceNote, bars_until
+from audio.music.swing import Swing
 from audio.parts import DRUMS
 
 if TYPE_CHECKING:
@@ -35,7 +36,11 @@ def music_of(score: Score, clock: BeatClock) -> Iterator[PieceNote]:
     scale = parse_steps(score.sound.scale)
     notes: Iterator[PieceNote]
     if music.generate is not None:
-        notes = generate(music.generate, scale, bars, clock, score.course, score.seed)
+        swing = section_swing(music)
+        notes = (
+            _swung(note, swing, bars)
+            for note in generate(music.generate, scale, bars, clock, score.course, score.seed)
+        )
     elif music.file is None:
         notes = compose(music, scale, bars)
     else:
@@ -43,6 +48,12 @@ def music_of(score: Score, clock: BeatClock) -> Iterator[PieceNote]:
     for note in notes:
         is_drum = note.program == DRUMS
         yield note if is_drum else replace(note, pitch=fold_pitch(note.pitch + music.transpose))
+
+
+def _swung(note: PieceNote, swing: Swing, bars: list[Bar]) -> PieceNote:
+    beat, end = swing.beat(note.beat, bars), swing.beat(note.beat + note.beats, bars)
+    # Gates leave ends between the steps.
+    return replace(note, beat=beat, beats=end - beat if end > beat else note.beats)
 
 
 def _song_notes(score: Score, bars: list[Bar], end: Fraction) -> Iterator[PieceNote]:

@@ -10,18 +10,23 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
+from math import inf
 from pathlib import Path
 
+from audio.controller_range import BEND_RANGE
 from audio.general_midi import INSTRUMENTS, LOWEST_DRUM_KEY
-from audio.music.piece import PieceNote
+from audio.music.piece import Bend, PieceNote
 from audio.parts import DRUM_CHANNEL, DRUMS
 from pipeline.foreign_files.safe_file import SONG, ForeignFileError, read_file
 
 MAX_NOTES = 100_000
 """Greatest number of notes of a song."""
+
+MAX_BENDS = 500_000
+"""Greatest number of changes of pitch that the notes of a song have together."""
 
 _MAX_TRACKS = 1024
 _MAX_TICK = 2**31
@@ -29,7 +34,14 @@ _MAX_TEMPOS = 4096
 _DEFAULT_TEMPO = 500_000
 _HIGHEST_DRUM_KEY = LOWEST_DRUM_KEY + 46
 _FULL, _CENTRE = 127, 64
-_VOLUME, _PAN, _REVERB, _EXPRESSION = 7, 10, 91, 11
+_VOLUME, _PAN, _REVERB, _EXPRESSION, _PEDAL = 7, 10, 91, 11, 64
+# A pedal is down from half-way on. Registered parameter 0 is the range of the pitch bend, two
+# semitones where a file does not set it.
+_HALF_DOWN, _DATA, _PARAMETER, _USUAL_RANGE, _CENTRED = 64, 6, (101, 100), 2, 8192
+# Points of a bend that a note keeps, and the least change of one [semitones].
+_MAX_BENDS, _LEAST_BEND = 256, 0.05
+# Where the range of the bend of a channel is kept among its controllers, which end at 127.
+_RANGE = 128
 # General MIDI's volume of a channel at the start, at which gain is 0 dB here.
 _USUAL_VOLUME = 100
 
@@ -44,11 +56,21 @@ class SongTempo:
 
 @dataclass(frozen=True, slots=True)
 class SongNote:
-    """A note of a song, in ticks."""
+    """A note of a song, in ticks.
+
+    Attributes:
+        tick: of its onset.
+        end: of its key.
+        note: without its times.
+        pedal: ticks from which, and until which, the pedal is down that holds it.
+        rings: tick at which it ends under the pedal.
+    """
 
     tick: int
     end: int
     note: PieceNote
+    pedal: tuple[int, int] | None = None
+    rings: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,9 +117,13 @@ class Song:
         for each in self.notes:
             start, end = beat(each.tick), beat(each.end)
             note = each.note
-            yield PieceNote(
-                *(start, end - start, note.part, note.program, note.pitch, note.velocity),
-                *(note.gain_db, note.pan, note.reverb),
+            held = each.pedal is not None
+            yield replace(
+                note,
+                beat=start,
+                beats=end - start,
+                pedal=(beat(each.pedal[0]), beat(each.pedal[1])) if each.pedal else None,
+                rings=beat(each.rings) - start if held else None,
             )
 
 
@@ -123,8 +149,37 @@ def parse_song(data: bytes) -> Song:
     tempos = sorted(state.tempos.items())
     if not tempos or tempos[0][0]:
         tempos.insert(0, (0, _DEFAULT_TEMPO))
-    notes = sorted(state.notes, key=lambda each: (each.tick, each.note.part, each.note.pitch))
+    held = _under_pedals(state)
+    notes = sorted(held, key=lambda each: (each.tick, each.note.part, each.note.pitch))
     return Song(division, tuple(notes), tuple(SongTempo(*tempo) for tempo in tempos))
+
+
+def _under_pedals(state: _State) -> Iterator[SongNote]:
+    """Yield the notes of a song as the pedals of their channels hold them."""
+    ends = max(each.end for each in state.notes)
+    by_channel: dict[int, list[SongNote]] = defaultdict(list)
+    for channel, note in zip(state.channels, state.notes, strict=True):
+        by_channel[channel].append(note)
+    for channel, notes in by_channel.items():
+        changes = sorted(state.pedals.get(channel, ()), key=lambda change: change[0])
+        spans: list[tuple[int, int]] = []
+        down: int | None = None
+        for tick, is_down in changes:
+            if down is not None and not is_down:
+                spans.append((down, tick))
+            down = (tick if down is None else down) if is_down else None
+        if down is not None and down < ends:
+            spans.append((down, ends))
+        starts = [span[0] for span in spans]
+        following: dict[int, int] = {}
+        for each in sorted(notes, key=lambda note: note.tick, reverse=True):
+            k = bisect_right(starts, each.end - 1) - 1
+            if k >= 0 and starts[k] < each.end < spans[k][1]:
+                until = min(spans[k][1], following.get(each.note.pitch, spans[k][1]))
+                yield replace(each, pedal=spans[k], rings=max(until, each.end))
+            else:
+                yield each
+            following[each.note.pitch] = each.tick
 
 
 def _parse_header(data: bytes) -> tuple[int, Iterator[bytes]]:
@@ -171,6 +226,9 @@ class _State:
         tempos: tick -> microseconds a beat.
         programs: of channels.
         values: of controllers by (channel, number).
+        channels: of the notes.
+        pedals: of channels, ticks and whether the pedal is down from there on.
+        bent: number of points of the bends of all notes.
     """
 
     notes: list[SongNote] = field(default_factory=list)
@@ -178,6 +236,9 @@ class _State:
     tempos: dict[int, int] = field(default_factory=dict)
     programs: dict[int, int] = field(default_factory=dict)
     values: dict[tuple[int, int], int] = field(default_factory=dict)
+    channels: list[int] = field(default_factory=list)
+    pedals: dict[int, list[tuple[int, bool]]] = field(default_factory=dict)
+    bent: int = 0
 
 
 class _TrackReader:
@@ -187,6 +248,8 @@ class _TrackReader:
         self._data, self._number, self._state = data, number, state
         self._at = self._tick = 0
         self._sounding: dict[tuple[int, int], list[tuple[int, PieceNote]]] = defaultdict(list)
+        # Ticks and semitones from there on, of each channel.
+        self._bends: dict[int, list[tuple[int, float]]] = defaultdict(list)
 
     def read(self) -> None:
         """Read all events; notes that never end do so at the end of the track."""
@@ -237,9 +300,53 @@ class _TrackReader:
             if self._sounding[channel, first]:
                 self._end(channel, first)
         elif kind == 0xB0:
-            state.values[channel, first] = second
+            self._control(channel, first, second)
+        elif kind == 0xE0:
+            self._bend(channel, (first + 128 * second - _CENTRED) / _CENTRED)
         elif kind == 0xC0:
             state.programs[channel] = first
+
+    def _control(self, channel: int, number: int, value: int) -> None:
+        """Read a change of a controller."""
+        values = self._state.values
+        values[channel, number] = value
+        parameter = tuple(values.get((channel, each), 127) for each in _PARAMETER)
+        if number == _PEDAL:
+            changes = self._state.pedals.setdefault(channel, [])
+            changes.append((self._tick, value >= _HALF_DOWN))
+        elif number == _DATA and parameter == (0, 0):
+            values[channel, _RANGE] = value
+
+    def _bend(self, channel: int, amount: float) -> None:
+        """Read a pitch bend, from -1 to 1 of its range."""
+        semitones = amount * self._state.values.get((channel, _RANGE), _USUAL_RANGE)
+        semitones = min(max(semitones, -BEND_RANGE), float(BEND_RANGE))
+        bends = self._bends[channel]
+        if abs(semitones - (bends[-1][1] if bends else 0.0)) >= _LEAST_BEND or not semitones:
+            bends.append((self._tick, semitones))
+
+    def _bend_of(self, channel: int, start: int, end: int) -> Bend:
+        """Return the bend of a note of this track: the last before it, and those within it."""
+        bends = self._bends[channel]
+        if channel == DRUM_CHANNEL or not bends:
+            return ()
+        first = max(bisect_right(bends, (start, inf)) - 1, 0)
+        last = bisect_right(bends, (end - 1, inf), first)
+        points, value = [(0.0, 0.0)], 0.0
+        for tick, semitones in bends[first : min(last, first + _MAX_BENDS)]:
+            share = max(tick - start, 0) / (end - start)
+            if not share:
+                points = [(0.0, semitones)]
+            else:
+                # A bend holds until the next.
+                points += [(share, value), (share, semitones)]
+            value = semitones
+        if not any(semitones for _, semitones in points):
+            return ()
+        self._state.bent += len(points)
+        if self._state.bent > MAX_BENDS:
+            raise ForeignFileError(f"bends its notes more than {MAX_BENDS} times")
+        return tuple(points)
 
     def _note(self, channel: int, key: int, velocity: int, is_drum: bool) -> PieceNote:
         values = self._state.values
@@ -262,7 +369,10 @@ class _TrackReader:
     def _end(self, channel: int, key: int) -> None:
         start, note = self._sounding[channel, key].pop(0)
         # A note without a length is a stroke of a drum, as some programs write it.
-        self._state.notes.append(SongNote(start, max(self._tick, start + 1), note))
+        end = max(self._tick, start + 1)
+        note = replace(note, bend=self._bend_of(channel, start, end))
+        self._state.notes.append(SongNote(start, end, note))
+        self._state.channels.append(channel)
 
     def _meta(self) -> bool:
         """Read a meta event; return whether it ends the track."""

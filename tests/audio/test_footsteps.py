@@ -35,11 +35,24 @@ def onsets(step: np.ndarray) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize("surface", ["soil", "wood", "stone", "sand"])
+@pytest.mark.parametrize("surface", GROUNDS)
 def test_heel_and_toe_are_heard_apart(surface: str) -> None:
     counts = [len(onsets(step)) for step in steps(surface)]
     assert min(counts) >= 2
-    assert max(counts) <= 4
+    # A single burst of grains may stand apart.
+    assert sum(count > 4 for count in counts) <= (surface in ("gravel", "snow", "water"))
+
+
+def crest_db(step: np.ndarray) -> float:
+    """Return the peak over the mean of the loudest 50 ms."""
+    power = np.convolve(step**2, np.ones(2400) / 2400)
+    return float(10 * np.log10(np.max(step**2) / power.max()))
+
+
+@pytest.mark.parametrize("surface", ["soil", "gravel", "snow", "grass"])
+def test_the_body_of_a_step_is_loud_beside_its_peak(surface: str) -> None:
+    assert np.mean([*map(crest_db, steps(surface))]) < 13.0
+    assert np.mean([*map(crest_db, steps(surface, "chitin"))]) < 11.5
 
 
 def test_a_hoof_strikes_twice_in_a_moment() -> None:

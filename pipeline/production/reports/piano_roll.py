@@ -9,7 +9,7 @@ from math import ceil, floor
 
 import drawsvg
 
-from audio.controller_curves import ControllerPoint, controller_curve
+from audio.controller_curves import ControllerPoint, note_curve
 from audio.notes import Note
 from audio.time_grid import TickGrid
 from pipeline.production.reports.canvas import Canvas, Panel
@@ -65,8 +65,7 @@ def drawn_notes(notes: Sequence[Note], grid: TickGrid, duration: float) -> tuple
         end = min(float(note.onset) + note.seconds, duration)
         start = grid.tick_at(note.onset)
         last = max(start + 1, grid.tick_at(Fraction(end)))
-        moments = () if note.drum else controller_curve(note.event, grid, start, last)
-        found.append(DrawnNote(note, end, moments))
+        found.append(DrawnNote(note, end, note_curve(note, grid, start, last)))
     return tuple(found)
 
 

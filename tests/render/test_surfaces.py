@@ -130,6 +130,88 @@ def test_sampling_matches_evaluation_with_bent_normals(renderer: Renderer) -> No
         assert by_sampling <= 1.0
 
 
+def test_a_surface_that_is_asked_for_all_at_once_shades_once(renderer: Renderer) -> None:
+    del renderer
+    import drjit as dr
+    import mitsuba as mi
+
+    from render.surfaces.bsdf_plugins import (
+        diffuse_bsdf,
+        eval_pdf_albedo,
+        eval_pdf_sample_albedo,
+        glossy_bsdf,
+        thin_bsdf,
+    )
+
+    calls = 0
+
+    def look(si: Any) -> tuple[Any, Any]:
+        nonlocal calls
+        calls += 1
+        return mi.Color3f(0.1, 0.4, 0.7) * (1.0 + 0.1 * si.wi.x), mi.Normal3f(0.2, 0.0, 1.0)
+
+    n = 1000
+    rng = np.random.default_rng(11)
+    si: Any = dr.zeros(mi.SurfaceInteraction3f, n)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(0, 0, 1))
+    si.n = mi.Normal3f(0, 0, 1)
+    si.wi = mi.warp.square_to_uniform_hemisphere(mi.Point2f(*rng.random((2, n))))
+    out = mi.warp.square_to_uniform_hemisphere(mi.Point2f(*rng.random((2, n))))
+    u, v, ctx = mi.Float(rng.random(n)), mi.Point2f(*rng.random((2, n))), mi.BSDFContext()
+    own = (
+        diffuse_bsdf(look, {}),
+        thin_bsdf(look, {}, 0.3),
+        glossy_bsdf(material("walnut"), look, {}),
+    )
+    for surface in (*own, mi.load_dict({"type": "diffuse"})):
+        calls = 0
+        value, pdf, albedo = eval_pdf_albedo(surface, si, out)
+        *_, found, weight, again = eval_pdf_sample_albedo(surface, si, out, u, v)
+        assert calls == (2 if surface in own else 0)
+        alone = *surface.eval_pdf(ctx, si, out), surface.eval_diffuse_reflectance(si)
+        assert calls == (4 if surface in own else 0)
+        sample = surface.sample(ctx, si, u, v)
+        pairs = zip(
+            (value, pdf, albedo, again, found.wo, weight),
+            (*alone, alone[2], sample[0].wo, sample[1]),
+            strict=True,
+        )
+        for all_at_once, by_itself in pairs:
+            np.testing.assert_allclose(np.array(all_at_once), np.array(by_itself), rtol=1e-6)
+
+
+def test_ground_close_to_the_camera_shows_finer_detail(
+    renderer: Renderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del renderer
+    import mitsuba as mi
+
+    from render.surfaces import texture_mapping
+    from render.surfaces.patterns import GroundShader
+
+    config = material({"preset": "dry soil", "steep_color": None})
+    look = GroundShader(config)
+    # A third of a texel apart, where the pattern itself hardly differs.
+    along = config.texture_scale / 1024 / 3 * np.arange(3000)
+    tones = {}
+    for away in (0.4, 30.0):
+        si: Any = mi.SurfaceInteraction3f()
+        si.p = mi.Point3f(along, 0 * along, 0.3 * along)
+        si.n = mi.Normal3f(0, 1, 0)
+        si.sh_frame = mi.Frame3f(mi.Vector3f(0, 1, 0))
+        si.t = mi.Float(away)
+        si.wi = mi.Vector3f(0, 0, 1)
+        look.values[texture_mapping.PIXEL_WIDTH] = mi.Float(1e-3)
+        for strength in (texture_mapping.DETAIL, 0.0):
+            monkeypatch.setattr(texture_mapping, "DETAIL", strength)
+            tones[away, strength > 0.0] = np.array(look(si)[0])[0]
+        monkeypatch.undo()
+    rough = {key: np.abs(np.diff(tone)).mean() for key, tone in tones.items()}
+    assert rough[0.4, True] > 2.0 * rough[0.4, False]
+    np.testing.assert_array_equal(tones[30.0, True], tones[30.0, False])
+    assert tones[0.4, True].mean() == pytest.approx(tones[0.4, False].mean(), rel=0.05)
+
+
 def test_skin_has_a_soft_red_edge_of_its_shade_and_the_same_energy(renderer: Renderer) -> None:
     del renderer
     import drjit as dr

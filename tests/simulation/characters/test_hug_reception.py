@@ -32,7 +32,7 @@ def test_who_has_nothing_to_do_turns_to_who_hugs_it() -> None:
 def test_a_walk_to_near_by_is_finished_first() -> None:
     cast = "  - {name: a, character: adult}\n  - {name: b, character: child, at: [1.8, 0.6]}"
     orders = "  - {at: 0, who: b, do: {go_to: [0.3, 0]}}\n  - {at: 0, who: a, do: {hug: b}}"
-    gap, _, outcomes = gap_and_turn(cast, 9, orders)
+    gap, _, outcomes = gap_and_turn(cast, 14, orders)
     assert gap < 0.075 * (1.72 + 1.15) + 0.1
     assert outcomes == ["done"] * 2
 
@@ -49,5 +49,5 @@ def test_a_long_walk_is_interrupted_for_a_hug_and_resumed() -> None:
     simulation = run_scene(cast, 38, orders, terrain="{kind: flat, size: [30, 8]}")
     dispatcher = troupe_of(simulation).dispatcher
     assert not isinstance(dispatcher.task(0), Hug)
-    goal, hug = (order for order in simulation.take().orders if " " in order.text)[:2]
+    goal, hug = [order for order in simulation.take().orders if " " in order.text][:2]
     assert (goal.outcome, hug.outcome) == ("done", "done")

@@ -90,6 +90,10 @@ class Skin(ConfigModel):
     horns: HornName = Field("curved", description="Shape of an animal's horns.")
     mane: Hair = Field("none", description="Mane along the neck.")
     tail: TailName = Field("plain", description="What an animal's tail is made of.")
+    tail_length: Extent = Field(
+        1.0,
+        description="Length of a plain tail, in that drawn: its tip goes on beyond the last node.",
+    )
     coat: CoatName | None = Field(
         None,
         description="Hair or plumage of an animal, which grows on materials with the texture fur "

@@ -50,7 +50,7 @@ CREATURES: dict[str, Row] = {
     "wet skin":       _row("#567527", "#3f5c22", 0.25, ("pores", 0.45, 2.5), clearcoat=1.0),
     "green scales":   _row("#5c7a30", "#3f5a26", 0.45, ("scales", 0.5, 1.0), clearcoat=0.25),
     "brown scales":   _row("#7a6440", "#5a4529", 0.5,  ("scales", 0.5, 1.0), clearcoat=0.2),
-    "grey hide":      _row("#6f6962", "#5d5852", 0.85, ("pores", 0.4, 2.0), sheen=0.2),
+    "grey hide":      _row("#6f6962", "#68625b", 0.85, ("pores", 0.4, 2.0), sheen=0.2),
     "dark skin":      _row("#6b412c", "#57311f", 0.45, ("pores", 0.12, 0.7),
                            clearcoat=0.15, sheen=0.2, subsurface=1.0),
     "fair skin":      _row("#d6a283", "#d39f80", 0.5,  ("pores", 0.1, 0.15),

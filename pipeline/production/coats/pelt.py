@@ -31,7 +31,7 @@ PIXELS = 0.85
 LEAST_PIXELS = 1.5
 """Length of a coat in the frame, in pixels, below which its paint shows all there is."""
 
-VANE_WIDTH = 0.15
+VANE_WIDTH = 0.24
 """Width of a feather, in its length."""
 
 VANE_COVER = 5.0
@@ -43,8 +43,8 @@ CLUMP = 0.22
 CLUMPING = 0.32
 """How much tips draw together."""
 
-SPREAD = 0.12
-"""Deviation of hair from its lay to the side and from the skin, in its length."""
+SPREAD, VANE_SPREAD = 0.12, 0.20
+"""Deviation of hair and feathers from their lay to the side and from the skin, in their length."""
 
 BOW = 0.13
 """Height of the bow of a hair over its chord, in its length."""
@@ -64,8 +64,8 @@ SCATTERED = 0.9
 BLEACHED = (0.0, 0.0, 0.012)
 """Grey that is added at root, middle and tip: tips are sun-bleached."""
 
-TINT = 0.16
-"""Deviation of the brightness of single hairs."""
+TINT, VANE_TINT = 0.10, 0.28
+"""Deviation of the brightness of single hairs and feathers."""
 
 RIBBON = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 4]])
 """Faces of a ribbon: two vertices at its root, two in its middle, one at its tip."""
@@ -258,10 +258,10 @@ def grown_pelt(
     step = CLUMP * mean
     cell = np.floor(rest / step + draw.normal(0.0, 0.22, (count, 3))).astype(np.int64)
     clumps = np.unique(cell, axis=0, return_inverse=True)[1].reshape(-1)
-    astray = SPREAD * np.clip(draw.normal(size=(count, 2)), -2.0, 2.0)
-    grown = draw.uniform(0.7, 1.2, count)
+    astray = (VANE_SPREAD if vanes else SPREAD) * np.clip(draw.normal(size=(count, 2)), -2.0, 2.0)
+    grown = draw.uniform(0.5 if vanes else 0.7, 1.2, count)
     clumping = CLUMPING * draw.uniform(0.1, 1.0, count) * (0.0 if vanes else 1.0)
-    tint = np.exp(TINT * np.clip(draw.normal(size=count), -2.0, 2.0))
+    tint = np.exp((VANE_TINT if vanes else TINT) * np.clip(draw.normal(size=count), -2.0, 2.0))
     places = list((0, 1, 1, 1, 2, 2, 2) if vanes else (0, 0, 1, 1, 2))
     shades, bleached = (np.array(values)[places, None] for values in (SHADES, BLEACHED))
     base = _skin_colors(mesh, material, corners, shares)

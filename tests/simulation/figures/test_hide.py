@@ -12,8 +12,18 @@ from pydantic import ValidationError
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
+from pipeline.simulation.figures.hide.eyes import EYE_ANGLES, EYE_AROUND, eyeball
 from pipeline.simulation.figures.hide.feet import paw_lumps
-from pipeline.simulation.figures.hide.lumps import ball, mesh_lumps
+from pipeline.simulation.figures.hide.head import Head
+from pipeline.simulation.figures.hide.lumps import (
+    ball,
+    cone,
+    mesh_lumps,
+    settled,
+    union_distance,
+)
+from pipeline.simulation.figures.hide.shanks import tail_solid
+from pipeline.simulation.figures.hide.skulls import SKULLS
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.simulation.figures.hide.wing_cases import ShellPlan, wing_case
 from pipeline.spec.figure import Figure as Words
@@ -151,6 +161,42 @@ def test_a_foot_with_two_toes_is_long_with_claws_and_a_pad_without() -> None:
 def test_lumps_are_meshed_to_their_radii() -> None:
     solid = mesh_lumps([ball(np.zeros(3), (0.5, 0.3, 0.2), 0.1)], 0.03)
     np.testing.assert_allclose(np.abs(solid.vertices).max(axis=0), [0.5, 0.3, 0.2], atol=0.02)
+
+
+def test_a_mesh_is_settled_on_the_surface_of_its_lumps() -> None:
+    """A limb three cells thick is stepped as a surface net leaves it."""
+    limb = [cone(np.zeros(3), np.array([1.0, 0.4, 0.2]), (0.10, 0.08), (0.09, 0.07), 0.0)]
+    net = mesh_lumps(limb, 0.06)
+    off = [
+        float(np.abs(union_distance(limb, solid.vertices)).max())
+        for solid in (net, settled(net, limb, 0.06))
+    ]
+    assert off[1] < 0.25 * off[0]
+
+
+def test_a_plain_tail_goes_on_to_a_tip() -> None:
+    points, radii = np.array([[0.0, 0, 0], [-1, 0, 0], [-2, 0, 0]]), np.array([0.2, 0.15, 0.1])
+    short, long = (tail_solid(points, radii, 0.0, beyond).vertices for beyond in (0.0, 0.5))
+    assert -2.2 < short[:, 0].min() < -2.0
+    assert -2.6 < long[:, 0].min() < -2.5
+    near_tip = long[long[:, 0] < -2.45]
+    assert np.ptp(near_tip[:, 2]) < 0.7 * 2 * radii[-1]
+
+
+def test_the_edge_of_a_pupil_is_a_ring_of_the_eye() -> None:
+    """A pupil that is no circle would have a ragged edge across the rings."""
+    figure = built(words_of("frog"))
+    stance = Stance(figure)
+    limb = next(i for i, each in enumerate(figure.skeleton.limbs) if each.kind == "head")
+    head = Head.of(stance.chains[limb], SKULLS["frog"], figure.skin)
+    solid, paint = eyeball(head, 1.0, "#b08a1e")
+    dark = np.all(paint[:, :3] < 0.003, axis=1)[: len(EYE_ANGLES) * EYE_AROUND]
+    rings = dark.reshape(len(EYE_ANGLES), EYE_AROUND)
+    assert rings[:3].all()
+    assert not rings[3:].any()
+    rim = solid.vertices[2 * EYE_AROUND : 3 * EYE_AROUND]
+    spread = np.linalg.norm(rim - rim.mean(axis=0), axis=-1)
+    assert spread.max() > 1.5 * spread.min()
 
 
 def test_a_lump_has_its_own_color() -> None:

@@ -18,6 +18,7 @@ from pipeline.simulation.figures.hide.coat import Coat
 from pipeline.simulation.figures.hide.eyes import eyeball, eyelids
 from pipeline.simulation.figures.hide.feet import (
     foot_way,
+    hand_lumps,
     paw_claws,
     paw_lumps,
     sole_lump,
@@ -64,6 +65,9 @@ MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
 
 NECKLESS = 0.9
 """Radius of a head on spread legs from which it grows together with the trunk, in the trunk's."""
+
+NECKLESS_TRIANGLES = 2500
+"""Triangles that such a head adds to the coarse mesh, whose legs it makes finer, too."""
 
 COLUMN_TRIANGLES = 600
 """Triangles that a stout leg adds to the coarse mesh."""
@@ -264,9 +268,14 @@ class AnimalHide:
             paint = None if differs else painted(len(solid.vertices), DARK_HORN)
             target.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "paws":
-            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths, self.figure.skin.claws)]
-            patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
-            for solid in paw_claws(chain, toes) if self.figure.skin.claws else ():
+            has_claws = self.figure.skin.claws
+            flesh = (
+                hand_lumps(chain, toes, girths)
+                if limb.kind == ARM
+                else paw_lumps(chain, toes, girths, has_claws)
+            )
+            patch.fine.append(([*lumps[-1:], *flesh], FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            for solid in paw_claws(chain, toes, girths) if has_claws and limb.kind == LEG else ():
                 paint = painted(len(solid.vertices), DARK_HORN)
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "plain":
@@ -315,7 +324,7 @@ class AnimalHide:
         if self._is_neckless:
             # A head as broad as the trunk grows together with it.
             bearer.lumps += self.head.lumps()
-            bearer.most += FINE_TRIANGLES
+            bearer.most += NECKLESS_TRIANGLES
             bearer.has_face = True
         else:
             lumps = [*stub[-2:], *self.head.lumps()]
@@ -384,7 +393,10 @@ class AnimalHide:
             if first == 0:
                 own.lumps += tube_lumps(points[:2], radii[:2], *shape, 0.6)
             # Beyond its root a tail is too thin for the grid of the trunk.
-            solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0)
+            beyond = (self.figure.skin.tail_length - 1.0) * limb.length
+            if after < len(limb.links) or word != "plain":
+                beyond = 0.0
+            solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0, max(beyond, 0.0))
             own.skins.append(self._hide(solid, [i]))
             if word in ("tassel", "brush") and after == len(limb.links):
                 # By itself: it would grow together with legs that it hangs beside.

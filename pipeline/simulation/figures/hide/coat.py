@@ -142,7 +142,7 @@ class _Places:
 
     def _belly(self) -> Array:
         """Return the share of the underside, which ends on the thighs."""
-        near = smoothstep((0.45 - self._share_along("leg", 0.5, 1.0)) / 0.2)
+        near = smoothstep((0.25 - self._share_along("leg", 0.5, 1.0)) / 0.2)
         limbs = 0.8 * near * self._of(("leg", "arm"))
         under = smoothstep((-self._up - 0.15) / 0.5)
         return under * np.maximum(self._of(("body",)), limbs)

@@ -7,15 +7,23 @@ from collections.abc import Mapping
 import numpy as np
 
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.sheets import Paint, lay, linear_color, outward
+from pipeline.simulation.figures.hide.sheets import (
+    Paint,
+    lay,
+    linear_color,
+    outward,
+    painted,
+    small_ball,
+)
 from pipeline.simulation.figures.hide.stance import smoothstep
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 
 EYE_AROUND = 16
 
-EYE_ANGLES = np.radians([8, 15, 20, 26, 34, 41, 48, 55, 61, 68, 100])
-"""Rings of an eyeball from where it looks [rad]: fine where pupil and iris end."""
+EYE_ANGLES = np.array([10.0, 19.5, 22.0, 24.5, 34.0, 41.0, 48.0, 55.0, 61.0, 68.0, 100.0])
+"""Rings of an eyeball from where it looks [degrees]: fine where pupil and iris end. Those
+up to the iris are shaped as the pupil, whose edge would be ragged across them."""
 
 PUPIL_DEG, IRIS_DEG = 22.0, 55.0
 
@@ -29,11 +37,17 @@ PUPILS: Mapping[str, tuple[float, float]] = {
 SCLERA = "#1e1611"
 """Colour of the visible part of an eye around its iris: animals show no white."""
 
-CATCHLIGHT_DEG, CATCHLIGHT_SIZE_DEG = 33.0, 11.0
-"""Angle and radius of the reflection of the sky: that of the sun alone is less than a pixel."""
+CATCHLIGHT_DEG, CATCHLIGHT_SIZE = 36.0, 0.13
+"""Angle of the reflection of the sky [degrees], and its radius in the eye's.
 
-LID_OPENING, LID_CORNERS, LID_DROOP = 57.0, 13.0, 9.0
-"""Angle at which lids end, what it is more at the corners, and less above [degrees]."""
+That of the sun alone is less than a pixel.
+"""
+
+CATCHLIGHT_DEPTH = 0.07
+"""Depth of the middle of its ball in the eye, in the eye's radius."""
+
+LID_CORNERS, LID_DROOP = 13.0, 9.0
+"""What the opening of lids is more at the corners, and less above [degrees]."""
 
 LID_RINGS = ((0.0, 1.02), (3.0, 1.11), (11.0, 1.16), (26.0, 1.17), (58.0, 1.02))
 """Rings of lids: angle beyond their edge [degrees], and radius in that of the eye."""
@@ -63,32 +77,46 @@ def _ring_places(angles: Array, sizes: Array | float, axes: Array) -> Array:
 def eyeball(head: Head, side: float, iris: str) -> tuple[Solid, Paint]:
     """Return an eye, and its paint."""
     axes, size, middle = _axes(head, side), head.eye_radius, head.eye(side)
-    angles = np.repeat(EYE_ANGLES[:, None], EYE_AROUND, axis=1)
+    azimuth = np.arange(EYE_AROUND) * (2.0 * np.pi / EYE_AROUND)
+    tall, wide = PUPILS[head.skull.pupil]
+    reach = PUPIL_DEG / np.hypot(np.cos(azimuth) / tall, np.sin(azimuth) / wide)
+    angles = np.stack(
+        [
+            np.interp(EYE_ANGLES, [0.0, PUPIL_DEG, IRIS_DEG, 180.0], [0.0, r, IRIS_DEG, 180.0])
+            for r in reach
+        ],
+        axis=1,
+    )
+    angles = np.radians(angles)
     ends = middle + size * np.stack([axes[0], -axes[0]])
     solid = outward(loft(middle + _ring_places(angles, size, axes), ends))
     ways = (solid.vertices - middle) @ axes.T / size
     off = np.degrees(np.arccos(np.clip(ways[:, 0], -1.0, 1.0)))
-    turned = np.arctan2(ways[:, 2], ways[:, 1])
-    tall, wide = PUPILS[head.skull.pupil]
-    shape = np.hypot(np.cos(turned) / tall, np.sin(turned) / wide)
     paint = np.concatenate(
         [np.tile(linear_color(SCLERA), (len(off), 1)), np.ones((len(off), 1))], 1
     )
     lay(paint, "#0d0907", smoothstep((IRIS_DEG + 8.0 - off) / 8.0))
     lay(paint, iris, smoothstep((IRIS_DEG - off) / 6.0))
-    lay(paint, "#050404", smoothstep((PUPIL_DEG - off * shape) / 5.0 + 0.5))
+    inside = np.append(np.repeat(EYE_ANGLES < PUPIL_DEG + 1.0, EYE_AROUND), [True, False])
+    lay(paint, "#050404", inside.astype(float))
     bright = np.array([1.0, 0.8, 0.6]) * np.sin(np.radians(CATCHLIGHT_DEG))
     bright[0] = np.cos(np.radians(CATCHLIGHT_DEG))
-    away = np.degrees(np.arccos(np.clip(ways @ bright, -1.0, 1.0)))
-    lay(paint, "#f4f6fa", 0.9 * smoothstep((CATCHLIGHT_SIZE_DEG - away) / 6.0))
-    return solid, paint
+    bright = normalized(bright) @ axes
+    light = small_ball(
+        middle + (1.0 - CATCHLIGHT_DEPTH) * size * bright, CATCHLIGHT_SIZE * size, 8, 3
+    )
+    faces = light.faces + np.uint32(len(solid.vertices))
+    whole = Solid(
+        np.concatenate([solid.vertices, light.vertices]), np.concatenate([solid.faces, faces])
+    )
+    return whole, np.concatenate([paint, painted(len(light.vertices), "#f4f6fa")])
 
 
 def eyelids(head: Head, side: float) -> tuple[Solid, Array]:
     """Return the almond-shaped lids around an eye, and the share of their dark rim."""
     axes, size, middle = _axes(head, side), head.eye_radius, head.eye(side)
     azimuth = np.arange(EYE_AROUND) * (2.0 * np.pi / EYE_AROUND)
-    edge = LID_OPENING + LID_CORNERS * np.sin(azimuth) ** 2
+    edge = head.skull.lid_opening + LID_CORNERS * np.sin(azimuth) ** 2
     edge -= LID_DROOP * np.maximum(np.cos(azimuth), 0.0)
     beyond, radii = np.array(LID_RINGS).T
     angles = np.radians(edge + beyond[:, None])

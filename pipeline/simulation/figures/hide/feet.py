@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
+from pipeline.simulation.figures.hide.lumps import SIDE, Lump, ball, cone
 from pipeline.simulation.figures.hide.sheets import tube
 from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.solids import Solid
@@ -15,8 +15,11 @@ from pipeline.simulation.spatial import UP, Array, cross, normalized
 CLAW_SIZE = 0.6
 """Size of the claws of a paw, whose coat hides their roots."""
 
-TWO_TOES = 2.1
+TWO_TOES = 5.0
 """Length of two toes with claws, as of a kangaroo, in those of a paw with more."""
+
+FINGER, FINGER_HANGS = 2.6, 0.55
+"""Length of the fingers of an arm, in the radius of its end, and how much they hang down."""
 
 LEVEL_LINK = 0.55
 """Sine of the slope up to which a foot points along its last link."""
@@ -43,8 +46,14 @@ def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lu
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
     side = cross(way, UP)
     axes = np.stack([way, UP, side])
-    wide = (1.15 if toes > 2 or not claws else 0.95) * float(girth[0])
+    wide = _paw_width(toes, claws) * float(girth[0])
     yield ball(tip + r * (0.10 * way - 0.25 * UP), (1.15 * r, 0.72 * r, wide * r), 0.5 * r, axes)
+    if toes == 2 and claws:
+        # The sole of a hopper goes on below its long toes.
+        ends = (0.66 * r, 0.85 * wide * r), (0.50 * r, 0.72 * wide * r)
+        yield cone(
+            tip - 0.30 * r * UP, tip + r * (0.95 * TWO_TOES * way - 0.45 * UP), *ends, 0.5 * r
+        )
     for k in range(toes):
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
         thick = 0.80 / max(toes, 2) ** 0.55
@@ -56,6 +65,25 @@ def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lu
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
 
 
+def hand_lumps(chain: Chain, fingers: int, girth: Array) -> Iterator[Lump]:
+    """Yield a palm and hanging fingers; `girth` is width and height in the drawn radius."""
+    r, tip = float(chain.radii[-1]), chain.points[-1]
+    way = normalized(chain.ways[-1] - FINGER_HANGS * UP)
+    side = normalized(cross(chain.ways[-1], UP) + 1e-6 * SIDE)
+    axes = np.stack([way, cross(side, way), side])
+    wide = 1.2 * float(girth[0])
+    yield ball(tip + 0.5 * r * way, (1.3 * r, 0.75 * r, wide * r), 0.6 * r, axes)
+    thick = 0.95 / max(fingers, 2) ** 0.6
+    for k in range(fingers):
+        place = (k - 0.5 * (fingers - 1)) / max(0.5 * (fingers - 1), 0.5)
+        off = place * (wide - 0.4 * thick) * side
+        length = FINGER * (1.0 - 0.18 * place**2)
+        root = tip + r * (0.8 * way + off)
+        end = tip + r * (length * way + 1.25 * off - 0.35 * UP)
+        ends = (thick * r, thick * r), (0.62 * thick * r, 0.62 * thick * r)
+        yield cone(root, end, *ends, 0.2 * r)
+
+
 def sole_lump(chain: Chain) -> Lump:
     """Return the round foot of a leg like a column, which widens to a flat sole."""
     r, tip = float(chain.radii[-1]), chain.points[-1]
@@ -63,6 +91,11 @@ def sole_lump(chain: Chain) -> Lump:
     sizes = np.array([0.45, 1.02, 0.98]), np.array([0.38, 1.22, 1.14])
     axes = np.stack([-UP, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])])
     return Lump(top, low, r * sizes[0], r * sizes[1], axes, 0.3 * r)
+
+
+def _paw_width(toes: int, claws: bool) -> float:
+    """Return half the width of a paw, in the drawn radius."""
+    return 1.15 if toes > 2 or not claws else 0.95
 
 
 def _toe_reach(toes: int, place: float, claws: bool) -> float:
@@ -74,14 +107,15 @@ def _toe_reach(toes: int, place: float, claws: bool) -> float:
     return size * (1.05 + 0.45 * (1.0 - 0.30 * place**2))
 
 
-def paw_claws(chain: Chain, toes: int, size: float = CLAW_SIZE) -> Iterator[Solid]:
-    """Yield the claws of a paw."""
+def paw_claws(chain: Chain, toes: int, girth: Array, size: float = CLAW_SIZE) -> Iterator[Solid]:
+    """Yield the claws of a paw; `girth` is width and height in the drawn radius."""
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
     side = cross(way, UP)
     for k in range(toes):
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
         thick = 0.80 / max(toes, 2) ** 0.55
-        off = place * (1.15 - 0.55 * thick) * 1.12
+        wide = _paw_width(toes, True) * float(girth[0])
+        off = place * (wide - 0.55 * thick) * 1.12
         ahead = _toe_reach(toes, place, True) + 0.7 * thick
         root = tip + r * (ahead * way - (0.90 - thick) * UP + off * side)
         curve = np.array(

@@ -19,9 +19,6 @@ from pipeline.spec.skin import Skin as SkinConfig
 SOCKET, SOCKET_DEPTH = 1.20, 0.42
 """Radius of the lids, and depth of their middle below that of the eye, in the eye's radius."""
 
-SUNK = 0.36
-"""Depth of the middle of an eye below the skull, in the eye's radius."""
-
 RAY_STEPS = 121
 """Samples of a ray to the surface of a skull."""
 
@@ -137,7 +134,7 @@ class Head:
         found = {}
         for side in (1.0, -1.0):
             at, look = self.place(self.skull.eye, side), self.way(self.skull.look, side)
-            hit = self._surface(rows, at, look, SUNK * self.eye_radius)
+            hit = self._surface(rows, at, look, self.skull.sunk * self.eye_radius)
             found[side] = at if hit is None else hit
         return found
 

@@ -23,16 +23,19 @@ def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tupl
     opening = head.way(skull.ear_opening, side)
     width = length * skull.ear_width * config.ear_width / config.ear_length
     root = head.place(skull.ear, side)
-    return ear(root, way, opening, length, width, skull.ear_fold, skull.ear_point)
+    return ear(root, way, opening, length, width, skull.ear_fold, skull.ear_point, skull.ear_wave)
 
 
 MOUTH_WIDTH = 0.065
 """Half the width of the slit of a mouth, in the radius of the muzzle."""
 
+MOUTH_SUNK = 0.1
+"""Depth of the middle of the slit in the skin, in half its width."""
+
 WHISKERS = ((0.25, 0.50), (-0.10, 0.25), (-0.30, 0.0), (-0.15, -0.22), (0.15, -0.45))
 """Directions of the whiskers ahead and up, for one to the side."""
 
-WHISKER_RADIUS = 0.035
+WHISKER_RADIUS = 0.016
 """Radius of a whisker at its root, in that of the muzzle: thinner ones would sparkle."""
 
 FOLDS, FOLD_POINTS, FOLD_DEPTH = 26, 12, 0.045
@@ -42,6 +45,9 @@ FOLD_COLOR = "#2b2622"
 
 STUB = (1.15, 0.90, 0.72, 0.64, 0.62, 0.66, 0.78, 0.84, 0.72, 0.40)
 """Radius along a stub of horn, in that drawn."""
+
+TUSK_POINTS, TUSK_TIP = 10, 0.12
+"""Vertices around a tusk, and the radius of its tip in that of its root."""
 
 HORN_CURVES = {
     "straight": ((0.0, 0.0, 0.0), (-0.10, 0.5, 0.06), (-0.22, 1.0, 0.10)),
@@ -53,7 +59,10 @@ HORN_CURVES = {
         *((0.0, 0.0, 0.0), (-0.08, 0.22, 0.10), (-0.26, 0.44, 0.26)),
         *((-0.42, 0.66, 0.34), (-0.46, 0.88, 0.26), (-0.36, 1.02, 0.16)),
     ),
-    "tusks": ((0.0, 0.0, 0.0), (0.35, -0.30, 0.10), (0.70, -0.40, 0.16), (1.0, -0.26, 0.14)),
+    "tusks": (
+        *((0.0, 0.0, 0.0), (0.22, -0.20, 0.06), (0.46, -0.33, 0.11)),
+        *((0.72, -0.36, 0.14), (0.98, -0.25, 0.12)),
+    ),
     "stub": ((0.0, 0.0, 0.0), (-0.05, 0.5, 0.02), (-0.08, 1.0, 0.04)),
 }
 """Curves of horns along, up and to the side of the head, in their length."""
@@ -73,7 +82,9 @@ def horn_solid(head: Head, chain: Chain, side: float, shape: str) -> Solid:
         middle = curve[0] + t[:, None] * (curve[-1] - curve[0])
         return tube(middle, 1.15 * radius * np.array(STUB), 9)
     if shape == "tusks":
-        return horn(curve, radius, 0, 0.0)
+        smooth, _ = spline(curve, np.full(len(curve), radius), 4)
+        sizes = radius * (TUSK_TIP + (1.0 - TUSK_TIP) * np.linspace(1.0, 0.0, len(smooth)) ** 0.8)
+        return tube(smooth, sizes, TUSK_POINTS, 1.0, head.axes[1])
     return horn(curve, 1.25 * radius, 9, 0.16)
 
 
@@ -96,14 +107,14 @@ def proboscis_solid(chain: Chain) -> tuple[Solid, Paint]:
 
 
 def beak_solid(head: Head) -> Solid:
-    """Return a beak: flat, with an edge where it opens, and hooked a little."""
+    """Return a beak: broad and flat, with a round end and an edge where it opens."""
     r0 = head.radii[0]
     s = np.linspace(0.0, 1.0, 12)
-    length = 1.08 * (head.length + head.radii[1]) - 0.30 * head.length
-    wide = r0 * (0.62 * (1.0 - s**1.6) ** 0.7 + 0.05)
-    high = r0 * (0.44 * (1.0 - s) ** 0.7 + 0.07)
+    length = 0.98 * (head.length + head.radii[1]) - 0.30 * head.length
+    wide = r0 * (0.64 * (1.0 - 0.45 * s) * (1.0 - s**5) ** 0.6 + 0.05)
+    high = r0 * (0.38 * (1.0 - s) ** 0.9 + 0.08)
     angle = np.arange(12) * (2.0 * np.pi / 12)
-    drop = -0.22 * r0 * s**2 - 0.10 * r0
+    drop = -0.14 * r0 * s**2 - 0.12 * r0
     # Flatter below than above.
     ring_up = np.where(np.sin(angle) > 0, np.sin(angle), 0.7 * np.sin(angle))
     x = 0.28 * head.length + s * length
@@ -129,10 +140,10 @@ def mouth_solid(head: Head) -> Solid | None:
         return None
     sizes = np.full(len(head.mouth), MOUTH_WIDTH * head.radii[1])
     sizes[[0, -1]] *= 0.4
-    # Most of it is in the skin, whose mesh is rounder than its lumps.
+    # Most of it is in the skin.
     inward = head.mouth.mean(axis=0) - head.mouth
     inward -= (inward @ head.axes[1])[:, None] * head.axes[1]
-    return tube(head.mouth + 0.55 * sizes[:, None] * normalized(inward), sizes, 5)
+    return tube(head.mouth + MOUTH_SUNK * sizes[:, None] * normalized(inward), sizes, 5)
 
 
 def whisker_solids(head: Head) -> Iterator[Solid]:

@@ -27,6 +27,14 @@ TIGHT_CELLS = 2.0
 PROBE_CELLS = 2.0
 """Cell of the mesh that tells how many triangles there will be, in that wanted."""
 
+SETTLING, EVENED = 3, 0.5
+"""Times that vertices are set on the surface, the last time without evening them out, and the share
+of the way to their neighbours' mean that they go."""
+
+MOST_SETTLING, LEAST_SLOPE, PROBE = 0.5, 0.3, 0.05
+"""Longest step of a vertex, in cells, slope of the field below which it is not divided by, and
+distance over which the slope is taken, in cells."""
+
 BULGE_EXPONENT = np.log(0.5) / np.log(0.36)
 """Places the thickest point of a muscle at about a third of its length."""
 
@@ -188,4 +196,39 @@ def budgeted(lumps: Sequence[Lump], cell: float, most: int) -> Solid:
     """Return the union of lumps with at most about `most` triangles."""
     # The number of triangles goes by the area, which a coarse mesh tells in a tenth of the time.
     coarse = len(mesh_lumps(lumps, PROBE_CELLS * cell).faces) * PROBE_CELLS**2
-    return mesh_lumps(lumps, cell * max(1.0, float(np.sqrt(coarse / most))))
+    size = cell * max(1.0, float(np.sqrt(coarse / most)))
+    return settled(mesh_lumps(lumps, size), lumps, size)
+
+
+def settled(solid: Solid, lumps: Sequence[Lump], cell: float) -> Solid:
+    """Return a mesh of a union of lumps with its vertices evened out and on the surface.
+
+    Vertices of a surface net are means of crossings: where a limb is a few cells thick, it is
+    stepped. Newton steps along the gradient of the field bring them to its zero.
+    """
+    places = solid.vertices.copy()
+    a, b = (solid.faces[:, k].astype(int) for k in (slice(None), [1, 2, 0]))
+    a, b = a.reshape(-1), b.reshape(-1)
+    count = np.maximum(np.bincount(a, minlength=len(places)), 1)[:, None]
+    probe = PROBE * cell
+    first = value = union_distance(lumps, places)
+    for k in range(SETTLING):
+        slope = np.stack(
+            [(union_distance(lumps, places + probe * axis) - value) / probe for axis in np.eye(3)],
+            axis=-1,
+        )
+        square = np.maximum((slope * slope).sum(axis=-1), LEAST_SLOPE**2)[:, None]
+        step = -value[:, None] / square * slope
+        length = np.linalg.norm(step, axis=-1, keepdims=True)
+        step *= np.minimum(1.0, MOST_SETTLING * cell / np.maximum(length, 1e-12))
+        if k < SETTLING - 1:
+            sums = np.stack([np.bincount(a, places[b, i], len(places)) for i in range(3)], axis=-1)
+            even = EVENED * (sums / count - places)
+            # Along the surface only: thin limbs would shrink to their bones.
+            step += even - (even * slope).sum(axis=-1, keepdims=True) / square * slope
+        places = places + step
+        value = union_distance(lumps, places)
+    # Where the field is flat, as on a bone, or turns within a cell, a step may lead astray.
+    astray = np.abs(value) > np.abs(first)
+    places[astray] = solid.vertices[astray]
+    return Solid(places, solid.faces)

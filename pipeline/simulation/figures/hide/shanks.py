@@ -20,7 +20,7 @@ from pipeline.simulation.figures.hide.trunk import (
 from pipeline.simulation.figures.network import ARM
 from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.figures.solids import Solid, loft
-from pipeline.simulation.spatial import Array, cross, normalized
+from pipeline.simulation.spatial import UP, Array, cross, normalized
 
 AROUND = 12
 """Vertices of a ring."""
@@ -36,23 +36,34 @@ WAISTS = {"hooves": 0.70, "plain": 0.94}
 
 USUAL_KNOB, USUAL_WAIST = 1.04, 0.82
 
+TIP_RINGS, TIP, TIP_SINKS = 5, 0.30, 0.12
+"""Rings of the tip of a tail, the radius of its end in that of its root, and how far it sinks."""
+
 BONE_OUT, FETLOCK_OUT = 0.60, 0.14
 """How far the bone of a bent joint stands out, and the tuft of a fetlock, in the radius there."""
 
 
-def tail_solid(points: Array, radii: Array, start: float) -> Solid:
+def tail_solid(points: Array, radii: Array, start: float, beyond: float) -> Solid:
     """Return a smooth tail through nodes, closed at both ends.
 
     Args:
         points: (n, 3) nodes [m].
         radii: (n,) drawn at them [m].
         start: share of the first link that is left to what it grows from.
+        beyond: length of the tip beyond the last node [m].
     """
     curve, sizes = spline(points, radii, 2 * SPLINE_STEPS)
     first = round(start * 2 * SPLINE_STEPS)
     curve, sizes = curve[first:], sizes[first:].copy()
-    # The end is round.
-    sizes[-1] *= 0.55
+    if beyond > 0.0:
+        # The tip is a cone with a round end, which sinks a little.
+        t = np.linspace(0.0, 1.0, TIP_RINGS + 1)[1:, None]
+        way = normalized(curve[-1] - curve[-2])
+        tip = curve[-1] + beyond * (t * way - TIP_SINKS * t * t * UP)
+        curve = np.concatenate([curve, tip])
+        sizes = np.concatenate([sizes, sizes[-1] * (1.0 - (1.0 - TIP) * t[:, 0] ** 1.3)])
+    else:
+        sizes[-1] *= 0.55
     return tube(curve, sizes, AROUND)
 
 

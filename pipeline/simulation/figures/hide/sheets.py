@@ -10,7 +10,9 @@ from pipeline.simulation.spatial import Array, cross, normalized
 Paint = Array
 """(V, 4) linear colour and its share."""
 
-EAR_RINGS, EAR_POINTS = 11, 7
+EAR_RINGS, EAR_POINTS, EAR_RIM = 11, 7, 0.75
+"""Rings of an ear, points across it, and how much thinner it is at its rim."""
+
 HORN_RINGS, HORN_POINTS = 24, 7
 
 
@@ -52,6 +54,7 @@ def ear(
     width: float,
     fold: float = 0.55,
     pointed: float = 0.0,
+    wave: float = 0.0,
 ) -> tuple[Solid, Array]:
     """Return a cupped leaf, and the share of its inner side at each vertex.
 
@@ -63,10 +66,12 @@ def ear(
         width: at its widest [m].
         fold: depth of the cup, in half of the width.
         pointed: 0 for a leaf, 1 for a triangle.
+        wave: height of the waves of its rim, in half of the width.
     """
     front = normalized(opening - float((opening * way).sum()) * way)
     across = cross(way, front)
-    s = np.linspace(-0.12, 1.0, EAR_RINGS)
+    # Closer at the tip, where the outline turns.
+    s = -0.12 + 1.12 * (1.0 - (1.0 - np.linspace(0.0, 1.0, EAR_RINGS)) ** 1.5)
     t = np.clip(s, 0.0, 1.0)
     half = 0.5 * width * (0.42 + 0.58 * np.sin(np.pi * np.minimum(t, 0.75) ** 0.8))
     half *= np.sqrt(np.clip(1.0 - t**3.2, 0.0, 1.0)) + 0.03
@@ -79,8 +84,9 @@ def ear(
     for k in range(len(s)):
         middle = root + s[k] * length * way - 0.10 * length * t[k] ** 2 * front
         bowl = -deep[k] * half[k] * (1.0 - u**2)
+        bowl = bowl + wave * 0.5 * width * u**2 * np.sin(2.2 * np.pi * t[k] + 1.4 * u)
         sides = middle + half[k] * u[:, None] * across
-        back = sides + (bowl - thick[k])[:, None] * front
+        back = sides + (bowl - thick[k] * (1.0 - EAR_RIM * u**2))[:, None] * front
         face = sides + bowl[:, None] * front
         rings.append(np.concatenate([back, face[::-1]]))
         inner.append(np.concatenate([np.zeros(EAR_POINTS), 1.0 - np.abs(u[::-1]) ** 3]))

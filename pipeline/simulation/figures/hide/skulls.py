@@ -38,11 +38,14 @@ class Skull:
         ear_length, ear_width: length of the ear in that drawn; width in its length.
         ear_fold: depth of the cup of an ear, in half of its width.
         ear_point: 0 for ears like leaves, 1 for triangles.
+        ear_wave: height of the waves of an ear's rim, in half of its width.
         horn: place of the root of the right horn.
         nose: place, radii and sRGB colour of a bare nose; None without.
         mouth: heights of the mouth line at its corner and its front; None without.
         lids: softness of the lids' union, in half of the eye's radius; 0 without lids.
         lid_color: sRGB colour of the lids.
+        lid_opening: angle at which the lids end, from where the eye looks [degrees].
+        sunk: depth of the middle of the eye below the skull, in its radius.
         whiskers: their length, in that of the head; 0 without.
         muzzle_from: place along the head from which the muzzle begins.
     """
@@ -61,12 +64,15 @@ class Skull:
     ear_width: float = 0.38
     ear_fold: float = 0.55
     ear_point: float = 0.0
+    ear_wave: float = 0.0
     horn: tuple[float, float, float] = (0.12, 0.75, 0.35)
     nose: tuple[tuple[float, float, float], tuple[float, float, float], str] | None = None
     mouth: tuple[float, float, float, float] | None = None
     muzzle_from: float = 0.72
     lids: float = 0.25
     lid_color: str = "#17100c"
+    lid_opening: float = 57.0
+    sunk: float = 0.20
     whiskers: float = 0.0
 
 
@@ -115,21 +121,22 @@ SKULLS: Mapping[str, Skull] = {
     "camel": Skull(
         rows=(
             ((0.02, 0.05, 0), (0.34, 0.14, 0), (0.84, 0.72), (0.80, 0.78)),
-            ((0.28, 0.10, 0), (0.86, 0.00, 0), (0.66, 0.60), (0.72, 0.66)),
-            ((0.12, -0.45, 0.20), (0.50, -0.40, 0.08), (0.50, 0.34), (0.42, 0.32)),
-            ((0.48, -0.42, 0), (0.92, -0.62, 0), (0.42, 0.40), (0.40, 0.55)),
-            ((0.86, 0.00, 0), (1.06, -0.10, 0), (0.92, 0.86), (0.95, 0.92)),
-            ((1.02, -0.85, 0), (1.12, -0.95, 0), (0.40, 0.52), (0.34, 0.45)),
+            ((0.28, 0.10, 0), (0.86, 0.06, 0), (0.68, 0.58), (0.66, 0.58)),
+            ((0.10, -0.50, 0.22), (0.44, -0.42, 0.10), (0.60, 0.36), (0.44, 0.32)),
+            ((0.40, -0.40, 0), (0.90, -0.68, 0), (0.40, 0.38), (0.40, 0.52)),
+            ((0.84, 0.10, 0), (1.02, -0.02, 0), (0.84, 0.84), (0.92, 0.98)),
+            ((1.02, -0.22, 0.22), (1.20, -0.52, 0.22), (0.72, 0.60), (0.52, 0.44)),
+            ((0.98, -1.00, 0), (1.12, -1.22, 0), (0.44, 0.60), (0.34, 0.46)),
             ((0.28, 0.62, 0.52), (0.42, 0.60, 0.52), (0.26, 0.26), (0.22, 0.22)),
         ),
         eye=(0.36, 0.38, 0.74),
         eye_size=0.31,
-        holes=(((1.26, 0.34, 0.55), (0.16, 0.10, 0.30)),),
+        holes=(((1.20, 0.46, 0.66), (0.24, 0.13, 0.34)),),
         ear=(0.02, 0.62, 0.62),
         ear_way=(-0.55, 0.9, 0.5),
         ear_length=0.72,
         ear_width=0.55,
-        mouth=(0.66, -0.42, 1.3, -0.60),
+        mouth=(0.64, -0.62, 1.3, -0.82),
         lids=0.45,
     ),
     "kangaroo": Skull(
@@ -164,7 +171,9 @@ SKULLS: Mapping[str, Skull] = {
         eye_size=0.235,
         look=(1.0, 0.15, 0.72),
         pupil="round",
-        iris="#8a5420",
+        iris="#4a2a12",
+        lid_opening=46.0,
+        sunk=0.36,
         ear=(0.08, 0.66, 0.52),
         ear_way=(-0.1, 1.0, 0.35),
         ear_length=1.1,
@@ -178,13 +187,15 @@ SKULLS: Mapping[str, Skull] = {
         rows=(
             ((0.08, 0.10, 0), (0.28, 0.14, 0), (0.95, 0.98), (0.88, 0.98)),
             ((0.26, -0.28, 0.42), (0.46, -0.32, 0.34), (0.50, 0.52), (0.42, 0.46)),
-            ((0.45, -0.15, 0.0), (0.92, -0.10, 0), (0.55, 0.55), (0.70, 0.70)),
-            ((0.86, -0.30, 0.36), (0.95, -0.34, 0.34), (0.50, 0.50), (0.46, 0.48)),
-            ((0.66, -0.75, 0), (0.90, -0.85, 0), (0.34, 0.44), (0.30, 0.40)),
+            ((0.40, -0.10, 0.0), (0.84, -0.12, 0), (0.62, 0.62), (0.64, 0.64)),
+            ((0.78, -0.34, 0.36), (0.88, -0.40, 0.34), (0.50, 0.52), (0.44, 0.46)),
+            ((0.60, -0.70, 0), (0.80, -0.85, 0), (0.36, 0.46), (0.30, 0.40)),
         ),
         eye=(0.50, 0.30, 0.44),
-        eye_size=0.31,
-        look=(1.0, 0.10, 0.36),
+        eye_size=0.28,
+        lid_opening=50.0,
+        sunk=0.38,
+        look=(1.0, 0.10, 0.40),
         pupil="slit",
         iris="#a3b53a",
         ear=(0.16, 0.78, 0.58),
@@ -192,7 +203,7 @@ SKULLS: Mapping[str, Skull] = {
         ear_length=1.15,
         ear_width=0.92,
         ear_point=0.85,
-        nose=((1.12, 0.10, 0.0), (0.28, 0.22, 0.30), "#a85a54"),
+        nose=((1.02, 0.12, 0.0), (0.26, 0.20, 0.26), "#8a4f49"),
         whiskers=0.9,
         mouth=(0.72, -0.62, 1.2, -0.52),
         muzzle_from=0.72,
@@ -228,14 +239,16 @@ SKULLS: Mapping[str, Skull] = {
         pupil="round",
         lid_color="#3f3a35",
         iris="#8a5f2a",
-        horn=(0.72, -0.40, 0.50),
+        horn=(0.62, -0.78, 0.42),
         ear=(0.22, 0.02, 0.66),
         ear_way=(-0.10, -0.45, 0.85),
         ear_opening=(0.75, 0.62, 0.30),
         ear_length=1.0,
         ear_width=1.15,
-        ear_fold=0.05,
-        lids=0.6,
+        ear_fold=0.10,
+        ear_wave=0.06,
+        lids=0.35,
+        sunk=0.05,
     ),
     "frog": Skull(
         rows=(

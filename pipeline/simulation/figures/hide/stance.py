@@ -40,6 +40,9 @@ STRAIGHTENED = 0.6
 Limbs are drawn bent, so that they fold the right way; forelegs and columns stand straight.
 """
 
+HIND_STRAIGHTENED = 0.32
+"""The same of the hind legs of a mammal, whose stifle and hock stay bent."""
+
 SPRAWL = 0.75
 """How much lower the elbow of a short spread leg is than its joint, in the rise of that."""
 
@@ -165,7 +168,9 @@ class Stance:
         radii = self.figure.drawing.radii[list(nodes)] * self.figure.scale
         placed = np.array(points)
         if limb in self.straight_legs and len(placed) > 3:
-            placed = _straightened(placed)
+            placed = _straightened(placed, STRAIGHTENED)
+        elif self._is_hind(limb) and len(placed) > 3:
+            placed = _straightened(placed, HIND_STRAIGHTENED)
         elif self._sprawls(limb):
             rise = max(float(placed[1, 1] - placed[0, 1]), 0.0)
             placed[1, 1] -= SPRAWL * rise
@@ -176,6 +181,11 @@ class Stance:
         figure = self.figure
         is_spread = figure.style != "mammal" and figure.skin.shell == "plain"
         return is_spread and limb in figure.skeleton.legs and len(limb.links) == 2
+
+    def _is_hind(self, limb: Limb) -> bool:
+        """Return whether a limb is a bent leg of a mammal on four legs."""
+        legs = self.figure.skeleton.legs
+        return bool(self.straight_legs) and limb in legs and limb not in self.straight_legs
 
     @cached_property
     def straight_legs(self) -> tuple[Limb, ...]:
@@ -298,15 +308,15 @@ class Stance:
         return _turned(q[a] * _CONJUGATE, here - shifts[a])
 
 
-def _straightened(points: Array) -> Array:
-    """Return the nodes (n, 3) of a foreleg with its inner joints but the last nearer to a line."""
+def _straightened(points: Array, share: float) -> Array:
+    """Return the nodes (n, 3) of a leg with its inner joints but the last nearer to a line."""
     result = points.copy()
     last = len(points) - (2 if len(points) > 4 else 1)
     a, b = points[0], points[last]
     for k in range(1, last):
         t = (points[k, 1] - a[1]) / min(b[1] - a[1], -1e-9)
         on_line = a + t * (b - a)
-        result[k] += STRAIGHTENED * (on_line - points[k])
+        result[k] += share * (on_line - points[k])
     return result
 
 

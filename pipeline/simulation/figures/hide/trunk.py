@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
+from pipeline.simulation.figures.hide.lumps import SIDE, Lump, ball, cone
 from pipeline.simulation.figures.hide.stance import Chain, Stance
 from pipeline.simulation.spatial import UP, Array, normalized
 
@@ -37,6 +37,11 @@ POINT_OF_JOINT = 0.50
 
 LEVEL_BODY = 0.5
 """Cosine of the slope of a body that has withers and a brisket."""
+
+
+FLANK_PLACE, FLANK_DEPTH = 0.36, 0.62
+"""Where the fold of the flank begins: ahead of the hip, in the way to the shoulder, and below the
+middle of the trunk, in its height there."""
 
 
 def body_lumps(figure: Figure) -> Iterator[Lump]:
@@ -82,7 +87,7 @@ def leg_lumps(
             r_a = min(r_a, 1.9 * r_b)
         if sheathed is not None and i == end - 1:
             # Its end is coarse: it would come out of the shank in steps.
-            b, r_b = a + SHEATHED * (b - a), 0.96 * sheathed * (r_a + SHEATHED * (r_b - r_a))
+            b, r_b = a + SHEATHED * (b - a), 0.91 * sheathed * (r_a + SHEATHED * (r_b - r_a))
         blend = (UPPER_BLEND if upper else LOWER_BLEND) * max(r_a, r_b)
         deep = LEG_DEPTH + (0.10 if i == 0 else 0.0)
         # The second of three links is a forearm.
@@ -127,6 +132,8 @@ def haunch_lumps(stance: Stance) -> Iterator[Lump]:
             yield from _shoulder(leg)
         else:
             yield from _thigh(leg, 1.0, _knee_girth(figure, leg))
+            if figure.feet != "plain":
+                yield _flank(figure, leg, max(float(each.points[0, 0]) for each in legs))
     front = [leg for leg in legs if leg.points[0, 0] >= ahead]
     r = float(front[0].radii[0])
     middle = np.mean([leg.points[0] for leg in front], axis=0)
@@ -143,6 +150,29 @@ def _shoulder(leg: Chain) -> Iterator[Lump]:
     yield cone(
         *(point, elbow, (0.6 * r, 0.5 * r), (1.25 * r_e, 0.95 * r_e), 0.5 * r, FORWARD),
     )
+
+
+def _flank(figure: Figure, leg: Chain, shoulder: float) -> Lump:
+    """Return the fold of skin between belly and knee, without which a waist looks pinched.
+
+    Args:
+        figure: an animal on four legs.
+        leg: one of its hind legs.
+        shoulder: how far ahead the shoulders are [m].
+    """
+    hip, knee = leg.points[0], leg.points[1]
+    nodes = sorted(figure.anatomy.body, key=lambda node: float(figure.points[node][0]))
+    x = float(hip[0]) + FLANK_PLACE * (shoulder - float(hip[0]))
+    places = np.array([figure.points[node] for node in nodes])
+    radii = figure.drawing.radii[nodes] * figure.scale
+    girths = radii[:, None] * np.array([_girth(figure, node) for node in nodes])
+    height = float(np.interp(x, places[:, 0], places[:, 1] + girths[:, 2]))
+    wide, high = (float(np.interp(x, places[:, 0], girths[:, k])) for k in (0, 1))
+    side = np.sign(hip[2]) * SIDE
+    top = np.array([x, height - FLANK_DEPTH * high, 0.0]) + 0.42 * wide * side
+    r_k = float(leg.radii[1])
+    low = knee + 0.10 * (hip - knee) + 0.25 * r_k * FORWARD
+    return cone(top, low, (0.62 * high, 0.50 * wide), (0.9 * r_k, 0.6 * r_k), 0.8 * r_k, FORWARD)
 
 
 def _knee_girth(figure: Figure, leg: Chain) -> float:

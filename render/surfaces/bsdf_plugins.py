@@ -69,8 +69,8 @@ def eval_pdf_sample_albedo(
 def _shading_once(bsdf: Any, si: Any) -> Iterator[None]:
     """Have a BSDF of this module call its shader for these points once, whatever it is asked.
 
-    Dr.Jit does not see that a second call reads the same texels: its kernels would read them
-    twice, which is a third of the time of a surface.
+    Dr.Jit does not see that a second call reads the same texels: its kernels would be a quarter
+    longer, and be compiled for longer.
     """
     shader = getattr(bsdf, "shader", None)
     if shader is None:

@@ -189,7 +189,7 @@ def _stages(is_hard: bool, size: float, speed: float, rng: np.random.Generator) 
 def yielding(sound: Signal, crest_db: float) -> Signal:
     """Return a sound whose peaks bend below a level: (N,).
 
-    Its peaks become lower beside what is heard, which is its mean over some hundredths of a second.
+    Its peaks become lower, while its loudness, a mean over hundredths of a second, hardly does.
 
     Args:
         sound: (N,).

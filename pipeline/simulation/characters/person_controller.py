@@ -406,8 +406,8 @@ class PersonController:
             node: that is held, or one end of the bar.
             bar: the node at its other end.
             share: how far along the bar, 0 to 1.
-            follows: whether the hand does not move it: the feet of a person who stands on it push
-                back as much, and one who pushes it does so by `push_bar`.
+            follows: whether the hand only follows the node and does not move it, as for a rider,
+                whose feet push back as much, and a pusher, who moves the bar by `push_bar`.
         """
         hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
         if self.held_node(k) != node and nodes["owner"][node] != self.record.owner:

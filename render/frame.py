@@ -24,7 +24,7 @@ class LightLayers:
     Attributes:
         direct: (H, W, 3) light of lamps, sun and sampled sky, reflected by the visible surface.
         albedo: (H, W, 3) diffuse albedo of the visible surface plus `ALBEDO_BIAS`, as dim as the
-            haze makes it; 0 in the sky.
+            haze makes it, and as its turn to the sky does (`sky_relief`); 0 in the sky.
         indirect: (H, W, 3) all other reflected light, of the sky and from surface to surface; or,
             at half the size, (H / 2, W / 2, 3).
         indirect_albedo: the albedo as the samples of `indirect` met it, and of its size.

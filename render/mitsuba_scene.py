@@ -51,6 +51,7 @@ from render.tracing.emitter_choice import CANDIDATES
 from render.tracing.haze import Air
 from render.tracing.path_tracer import PathTracer
 from render.tracing.scene_pair import ScenePair
+from render.tracing.sky_relief import SkyRelief
 from render.tracing.tracer import Accumulator, Tracer
 from render.tracing.water import Water
 from render.tracing.wavefront import Wavefront
@@ -89,6 +90,7 @@ class MitsubaScene:
         self._lamp_places: tuple[LampPlace, ...] = ()
         around = surroundings(shot.light, _ground_color(shot), sky_width(self._film.size[0]))
         self.air = Air.of(around.haze) if around.haze is not None else None
+        self._relief = SkyRelief.of(around.slopes) if dr.is_jit_v(mi.Float) else None
         self._sky_time: float | None = None
         self.scene = mi.load_dict(
             {
@@ -125,7 +127,7 @@ class MitsubaScene:
         self.has_soft_lights |= len(self._lamps) > CANDIDATES
         self.depth = self._film.depth + extra_bounces(shot.materials.values())
         self._tracer, self.path_tracer_reason = choose_tracer(
-            self._traced, self._film, self.depth, self.air, self._water
+            *(self._traced, self._film, self.depth, self.air, self._water, self._relief)
         )
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
@@ -198,7 +200,11 @@ class MitsubaScene:
         tracer: Tracer = self._tracer
         if isinstance(tracer, Wavefront):
             tracer = Wavefront(
-                *(self._traced, size, MEASURED_DEPTH), half=True, air=self.air, water=self._water
+                *(self._traced, size, MEASURED_DEPTH),
+                half=True,
+                air=self.air,
+                water=self._water,
+                relief=self._relief,
             )
             self._shade(tracer, moment.time)
         layers = tracer.trace(self.sensor, seed, range(MEASURED_PASSES), MEASURED_PASSES)
@@ -278,7 +284,12 @@ def _still_groups(shot: Shot) -> tuple[MeshGroup, ...]:
 
 
 def choose_tracer(
-    scene: Any, film: FullFilm, depth: int, air: Air | None = None, water: Water | None = None
+    scene: Any,
+    film: FullFilm,
+    depth: int,
+    air: Air | None = None,
+    water: Water | None = None,
+    relief: SkyRelief | None = None,
 ) -> tuple[Tracer, str]:
     """Return the tracer for a scene, and why it is not the wavefront tracer, or empty.
 
@@ -288,6 +299,7 @@ def choose_tracer(
         depth: longest path, in segments.
         air: haze before the camera, None without any.
         water: of the scene, None without any.
+        relief: of surfaces in the light of the sky, None to do without.
 
     Raises:
         ShotError: there is water, which Mitsuba's own path tracer knows nothing of.
@@ -298,7 +310,8 @@ def choose_tracer(
     if reason:
         return PathTracer(scene, depth, film.rays, air), reason
     half = film.soft_light == "half"
-    return Wavefront(scene, film.size, depth, half=half, air=air, water=water), ""
+    wavefront = Wavefront(scene, film.size, depth, half=half, air=air, water=water, relief=relief)
+    return wavefront, ""
 
 
 def wavefront_limitation(scene: Any) -> str:

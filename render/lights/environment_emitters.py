@@ -21,7 +21,15 @@ from render.config import Light, Moon, Studio, Sun
 from render.lights.cloud_shadows import drift
 from render.lights.clouds import CloudLight, Heaps, cloud_seed, has_clouds, heaps, painted
 from render.lights.drifting_sky import DriftingSky
-from render.lights.environment_map import UP, Map, Vector, irradiance, resized, solid_angles
+from render.lights.environment_map import (
+    UP,
+    Map,
+    Vector,
+    irradiance,
+    irradiance_slopes,
+    resized,
+    solid_angles,
+)
 from render.lights.haze import Haze, haze_of, haze_strength, sun_glow
 from render.lights.key_light import CARD_ILLUMINANCE, KeyLight, LightEnvironment, card_illuminance
 from render.lights.outdoor_light import outdoor_light
@@ -53,6 +61,7 @@ class Surroundings:
         haze: of the air, or None.
         key: the key light, or None.
         ambient: (3,) mean radiance from all directions, without the key light.
+        slopes: (3, 3) of its irradiance, see `irradiance_slopes`.
         drifting: the sky in time, where it changes, or None.
         downwelling: (3,) irradiance of level ground by sky and key light.
     """
@@ -61,6 +70,7 @@ class Surroundings:
     haze: Haze | None
     key: KeyLight | None
     ambient: Vector
+    slopes: Map
     drifting: DriftingSky | None
     downwelling: Vector
 
@@ -106,11 +116,12 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     if key.is_lit:
         found["key"] = key.emitter(scale)
     even = solid_angles() / (4 * np.pi)
-    ambient = (resized(np.asarray(shown, np.float64)) * even[..., None]).sum(axis=(0, 1))
+    seen = resized(np.asarray(shown, np.float64))
+    ambient, slopes = (seen * even[..., None]).sum(axis=(0, 1)), irradiance_slopes(seen)
     shown_key = key.scaled(scale) if key.is_lit else None
     falling = key.irradiance * scale * max(float(key.direction[1]), 0.0)
     downwelling = irradiance(image, UP) + falling
-    return Surroundings(found, haze, shown_key, ambient, drifting, downwelling)
+    return Surroundings(found, haze, shown_key, ambient, slopes, drifting, downwelling)
 
 
 def _with_snow_light(sky: Map, key: KeyLight, snow: float) -> Map:

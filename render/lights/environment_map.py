@@ -58,6 +58,24 @@ def irradiance(radiance: Map, normal: Vector) -> Vector:
     return np.asarray((radiance * weight[..., None]).sum(axis=(0, 1)))
 
 
+def irradiance_slopes(radiance: Map) -> Map:
+    """Return how much irradiance grows as a plane turns, (axis, colour), relative to its mean.
+
+    It is half the difference of the irradiance on planes that face along an axis and against it.
+
+    Args:
+        radiance: a map (H, W, 3).
+
+    Source: Ramamoorthi, Hanrahan, An Efficient Representation for Irradiance Environment Maps,
+        2001, of which this is the linear part.
+    """
+    # Irradiance is so soft that a small map will do.
+    small = resized(radiance, 64, 32)
+    both = np.array([[irradiance(small, s * axis) for s in (1, -1)] for axis in np.eye(3)])
+    mean = np.maximum(both.mean(axis=(0, 1)), 1e-9)
+    return np.asarray(0.5 * (both[:, 0] - both[:, 1]) / mean)
+
+
 def illuminance(radiance: Map, normal: Vector) -> float:
     """Return the luminance of the irradiance of a map on a plane with this normal."""
     return float(luminance(irradiance(radiance, normal)))

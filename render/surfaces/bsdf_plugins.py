@@ -50,36 +50,42 @@ def _plugin_class(methods: type, base: str, variant: str) -> type:
     return type(methods.__name__, (getattr(mi, base),), own)
 
 
-def eval_pdf_albedo(bsdf: Any, si: Any, wo: Any) -> tuple[Any, Any, Any]:
-    """Return the value of any BSDF towards `wo`, the density of sampling it, and the albedo."""
-    with _shading_once(bsdf, si):
-        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
+def eval_pdf_albedo(bsdf: Any, si: Any, wo: Any) -> tuple[Any, Any, Any, Any]:
+    """Return what any BSDF is at points, whose shader is called once.
+
+    Returns:
+        The value towards `wo`, the density of sampling it, the albedo, and the normal of the relief
+        in the world, `mi.Normal3f`: a unit vector, shorter where light from behind comes through.
+    """
+    with _shading_once(bsdf, si) as normal:
+        found = bsdf.eval_pdf(mi.BSDFContext(), si, wo)
+        return *found, bsdf.eval_diffuse_reflectance(si), normal
 
 
 def eval_pdf_sample_albedo(
     bsdf: Any, si: Any, wo: Any, sample1: Any, sample2: Any
-) -> tuple[Any, Any, Any, Any, Any]:
+) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return the same of any BSDF with a sample and its weight before the albedo."""
-    with _shading_once(bsdf, si):
+    with _shading_once(bsdf, si) as normal:
         found = bsdf.eval_pdf_sample(mi.BSDFContext(), si, wo, sample1, sample2)
-        return *found, bsdf.eval_diffuse_reflectance(si)
+        return *found, bsdf.eval_diffuse_reflectance(si), normal
 
 
 @contextmanager
-def _shading_once(bsdf: Any, si: Any) -> Iterator[None]:
+def _shading_once(bsdf: Any, si: Any) -> Iterator[Any]:
     """Have a BSDF of this module call its shader for these points once, whatever it is asked.
 
-    Dr.Jit does not see that a second call reads the same texels: its kernels would be a quarter
-    longer, and be compiled for longer.
+    Yields the normal of `eval_pdf_albedo`. Dr.Jit does not see that a second call reads the same
+    texels: its kernels would be a quarter longer, and be compiled for longer.
     """
     shader = getattr(bsdf, "shader", None)
     if shader is None:
-        yield
+        yield mi.Normal3f(si.sh_frame.n)
         return
     color, normal = shader(si)
     bsdf.shader = lambda si: (mi.Color3f(color), mi.Normal3f(normal))
     try:
-        yield
+        yield dr.normalize(normal) * (1.0 - 2.0 * getattr(bsdf, "translucency", 0.0))
     finally:
         bsdf.shader = shader
 

@@ -13,6 +13,7 @@ from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
+from render.tracing.sky_relief import SkyRelief, sky_share
 from render.tracing.water import Water
 
 
@@ -20,6 +21,7 @@ def surface_light(
     scene: Any,
     shade: CloudShade | None,
     water: Water | None,
+    relief: SkyRelief | None,
     ray: Any,
     u: tuple[Any, Any],
     has_lamps: bool,
@@ -33,6 +35,7 @@ def surface_light(
         scene: of Mitsuba, or a `ScenePair`.
         shade: of clouds, None without any.
         water: of the scene, None without any.
+        relief: of surfaces in the light of the sky, which goes into the albedo.
         ray: from camera or water.
         u: pair of numbers for a point on an emitter, and one that chooses between emitters.
         has_lamps: whether surfaces are lit at all.
@@ -53,8 +56,10 @@ def surface_light(
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
         return *eval_pdf_albedo(bsdf, si, wo), mi.Float(getattr(bsdf, "shadow_lift", 0.0))
 
-    value, bsdf_pdf, albedo, lift = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
-    albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
+    found = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
+    value, bsdf_pdf, albedo, normal, lift = found
+    albedo = (albedo + ALBEDO_BIAS) * sky_share(relief, si, normal)
+    albedo = dr.select(si.is_valid(), albedo, 0.0)
     if water is not None:
         wet = water.wetness(si.p, si.n)
         albedo *= wet

@@ -15,6 +15,7 @@ from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
+from render.tracing.sky_relief import SkyRelief
 from render.tracing.stratification import BSDF_PAIR, EMITTER_PAIR, StepStrata, sample_1d, sample_2d
 from render.tracing.tracer import Sums
 from render.tracing.water import FAR, KEY_LIGHT_FROM, Interface, Water
@@ -31,6 +32,7 @@ def add_water(
     air: Air | None,
     shade: CloudShade | None,
     water: Water,
+    relief: SkyRelief | None,
     lanes: Any,
     pixels: Any,
     ray: Any,
@@ -45,6 +47,7 @@ def add_water(
         air: haze before the camera, None without any.
         shade: of clouds, None without any.
         water: of the scene.
+        relief: see `surface_light`.
         lanes: of the rays in the sums.
         pixels: of the rays.
         ray: from the camera.
@@ -65,7 +68,9 @@ def add_water(
     for share, direction, is_under, pair in ways:
         way = mi.Ray3f(face.p + _CLEARANCE * direction, direction)
         u = sample_2d(pixels, strata, pair), sample_1d(pixels, strata)
-        light, albedo, shining, distance = surface_light(scene, shade, water, way, u, has_lamps)
+        light, albedo, shining, distance = surface_light(
+            scene, shade, water, relief, way, u, has_lamps
+        )
         if pair == BSDF_PAIR:
             depth = dr.minimum(distance, FAR) * dr.abs(direction.y)
             foam = dr.select(face.is_above, water.foam_share(face.p, depth), 0.0)

@@ -42,6 +42,7 @@ from render.tracing.direct_light import finite, passed_air, surface_light, unocc
 from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
 from render.tracing.scene_pair import ScenePair, emitters_of
+from render.tracing.sky_relief import SkyRelief, sky_share
 from render.tracing.stratification import (
     BSDF_PAIR,
     EMITTER_PAIR,
@@ -97,6 +98,7 @@ class Wavefront(Tracer):
         half: whether indirect light is traced at half the size, with one direct sample per pixel.
         air: haze before the camera, None without any.
         water: of the scene, None without any.
+        relief: of surfaces in the light of the sky, None to do without.
 
     Attributes:
         shade: of clouds on the key light, None without any; it may change with the scene.
@@ -114,8 +116,10 @@ class Wavefront(Tracer):
         half: bool = False,
         air: Air | None = None,
         water: Water | None = None,
+        relief: SkyRelief | None = None,
     ) -> None:
         self._scene, self._depth, self._air, self._water = scene, depth, air, water
+        self._relief = relief
         self._has_still = isinstance(scene, ScenePair)
         self.shade: CloudShade | None = None
         self.direct_samples = 1 if half else RAYS_PER_PATH
@@ -168,7 +172,7 @@ class Wavefront(Tracer):
     def add_direct(self, view: CameraView, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of direct light, albedo and air with a sample more of every pixel."""
         ray, held = view.rays(pixels, self.direct.size, strata, self._has_still)
-        around = self._scene, self._air, self.shade, self._water
+        around = self._scene, self._air, self.shade, self._water, self._relief
         has_lamps, step = self._depth > 1, strata.step(1)
         *added, meets_water = self._add_direct(*around, pixels, ray, held, has_lamps, sums, step)
         if self._water is None:
@@ -196,8 +200,8 @@ class Wavefront(Tracer):
             paths = dr.gather(Paths, paths, live)
             is_first = dr.opaque(mi.Bool, step == 1)
             paths, *added = self._bounce(
-                *(self._scene, self.shade, self._water, paths, sums, strata.step(step)),
-                *(is_first, self._samples_sky),
+                *(self._scene, self.shade, self._water, self._relief, paths, sums),
+                *(strata.step(step), is_first, self._samples_sky),
             )
             sums = added[0], added[1]
         shining = mi.UInt32(dr.compress(self._hits_emitter(paths)))
@@ -253,6 +257,7 @@ def _add_direct(
     air: Air | None,
     shade: CloudShade | None,
     water: Water | None,
+    relief: SkyRelief | None,
     pixels: Any,
     ray: Any,
     held: Any,
@@ -267,7 +272,7 @@ def _add_direct(
     """
     u = sample_2d(pixels, strata, EMITTER_PAIR), sample_1d(pixels, strata)
     light, albedo, shining, distance = surface_light(
-        scene, shade, water, ray, u, has_lamps, held=held, coherent=True
+        scene, shade, water, relief, ray, u, has_lamps, held=held, coherent=True
     )
     meets = mi.Bool(False)
     if water is not None:
@@ -316,6 +321,7 @@ def _bounce(
     scene: Any,
     shade: CloudShade | None,
     water: Water | None,
+    relief: SkyRelief | None,
     paths: Paths,
     sums: Sums,
     strata: StepStrata,
@@ -333,7 +339,7 @@ def _bounce(
     )
     arriving *= dimmed(shade, sample.emitter, si.p)
 
-    value, bsdf_pdf, scattered, share, albedo = dr.dispatch(
+    value, bsdf_pdf, scattered, share, albedo, normal = dr.dispatch(
         si.bsdf(),
         eval_pdf_sample_albedo,
         si,
@@ -367,7 +373,8 @@ def _bounce(
         extended.hit.is_valid(), 0.0, extended.weight * _sky(scene, extended, si, samples_sky)
     )
     # The first weight is what the haze lets through.
-    first_albedo = dr.select(is_first, (albedo + ALBEDO_BIAS) * paths.weight, 0.0)
+    first_albedo = (albedo + ALBEDO_BIAS) * sky_share(relief, si, normal) * paths.weight
+    first_albedo = dr.select(is_first, first_albedo, 0.0)
     return extended, _add(sums[0], paths, finite(light)), _add(sums[1], paths, first_albedo)
 
 

@@ -165,8 +165,8 @@ def test_a_surface_that_is_asked_for_all_at_once_shades_once(renderer: Renderer)
     )
     for surface in (*own, mi.load_dict({"type": "diffuse"})):
         calls = 0
-        value, pdf, albedo = eval_pdf_albedo(surface, si, out)
-        *_, found, weight, again = eval_pdf_sample_albedo(surface, si, out, u, v)
+        value, pdf, albedo, _ = eval_pdf_albedo(surface, si, out)
+        *_, found, weight, again, _ = eval_pdf_sample_albedo(surface, si, out, u, v)
         assert calls == (2 if surface in own else 0)
         alone = *surface.eval_pdf(ctx, si, out), surface.eval_diffuse_reflectance(si)
         assert calls == (4 if surface in own else 0)

@@ -281,8 +281,9 @@ def mean_of(renderer: Renderer, name: str) -> list[float]:
     mesh = Mesh("ground", corners, faces, "m", uv=corners[:, [0, 2]].copy())
     high = CameraPose((0.0, 800.0, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0))
     film = Film(size=(96, 96), samples=16, depth=2, denoise="off")
-    shot = Shot((mesh,), {"m": material(name)}, light("noon").without_cloud_shadows(), high, film)
-    light_seen = renderer.render(shot).light
+    # The scalar variant shows no clouds, which are brighter and redder than the sky.
+    clear = light({"sun": {"hour": 12, "clouds": {"cumulus": 0, "cirrus": 0}}})
+    light_seen = renderer.render(Shot((mesh,), {"m": material(name)}, clear, high, film)).light
     return [float(v) for v in light_seen.mean(axis=(0, 1))]
 
 

@@ -58,6 +58,9 @@ def _clustered(mesh: Mesh, cell: float) -> tuple[NDArray[np.int64], NDArray[np.u
     faces = first[inverse.reshape(-1)][mesh.faces.astype(np.int64)]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
+    if not len(faces):
+        # An eye within one cell; no part may vanish.
+        return _clustered(mesh, 0.5 * cell)
     kept, faces = np.unique(faces, return_inverse=True)
     return kept, faces.reshape(-1, 3).astype(np.uint32)
 

@@ -48,3 +48,13 @@ def test_coarse_heads_stand_and_act_as_fine_ones(take: Take) -> None:
         nearest = np.linalg.norm(a[:, None] - b[None], axis=-1).min(axis=0)
         assert nearest.max() < 1e-6
         np.testing.assert_allclose(np.ptp(a, axis=0), np.ptp(b, axis=0), atol=2.5 * pixel)
+
+
+def test_no_part_of_a_small_head_vanishes() -> None:
+    cast = "".join(
+        f"  - {{name: p{k}, figure: person, at: [{2 * k}, 0], scale: {0.3 + 0.04 * k:.2f}}}\n"
+        for k in range(6)
+    )
+    small = run_scene(cast, 0.1, "").take()
+    coarse = with_coarse_faces(small, np.full(len(visible_parts(small)), np.inf))
+    assert all(len(coarse.meshes[part.seen].faces) for part in visible_parts(coarse))

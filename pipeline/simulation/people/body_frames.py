@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.simulation.people.joint_limits import LIMP_ANKLE_PITCH, MAX_ANKLE_PITCH, MAX_NOD
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import UP, Array, cross, normalized, turn, turn_inverse
 
@@ -40,10 +41,7 @@ ORIGINS = tuple(name for name in JOINTS if name != "head")
 
 HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
 LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend
-MAX_NOD = np.radians(50.0)  # of a head against its neck
 CLASP_BEND = 1.3  # of hands that lie around somebody, inward, as a tangent
-MAX_ANKLE_PITCH, LIMP_ANKLE_PITCH = np.radians(45.0), np.radians(110.0)
-# A sole is put down by the first at most; beyond the second the ankle lets go.
 
 ARM_SPREAD = normalized(np.array([1.0, -0.6, 0.7]))
 LEG_SPREAD = normalized(np.array([1.0, -1.0, 0.15]))

@@ -21,13 +21,11 @@ from pipeline.simulation.dynamics.vectors import cross, dot
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.people.body_frames import (
     FRAMES,
-    PARENTS,
     clasping_hands,
-    frame_origins,
     frames_from_joints,
 )
 from pipeline.simulation.people.face_tracker import MAX_EYE_DOWN, MAX_EYE_SIDE, MAX_EYE_UP
-from pipeline.simulation.people.person_mesh import layer_parts, person_layers
+from pipeline.simulation.people.person_inventory import person_record
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array, normalized, turn
@@ -235,11 +233,12 @@ def frame_poser(
     first = 0
     for member, plan in zip(cast, plans, strict=True):
         frame = len(nodes)
-        if proportions_of(member) is not None:
+        if (proportions := proportions_of(member)) is not None:
             acting += [len(people)] if member.acts else []
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
-            made = _person(member, clothes[member.name], frame, len(meshes), rows)
+            worn = clothes[member.name]
+            made = person_record(member.name, proportions, worn, frame, len(meshes), rows)
         else:
             span = first, first + len(plan.rest)
             things.append(ThingFrame(frame, span, plan.rest, axis_nodes(member.character)))
@@ -255,25 +254,6 @@ def frame_poser(
         np.array(joints, dtype=np.int64).reshape(-1, len(JOINTS)),
         tuple(things),
     )
-
-
-def _person(
-    member: Character, clothes: Clothes, frame: int, mesh: int, rows: int
-) -> tuple[list[Node], list[Mesh], list[Part]]:
-    proportions = proportions_of(member)
-    assert proportions is not None
-    origins = frame_origins(proportions)
-    nodes = [
-        Node(
-            f"{member.name}.{name}",
-            member.name,
-            frame + parent if parent >= 0 else -1,
-            (float(x), float(y), float(z)),
-        )
-        for name, parent, (x, y, z) in zip(FRAMES, PARENTS, origins, strict=True)
-    ]
-    meshes, parts = layer_parts(member.name, person_layers(proportions, clothes), frame, mesh, rows)
-    return nodes, meshes, parts
 
 
 def _thing(

@@ -23,12 +23,14 @@ from pipeline.simulation.people.body_frames import (
     FRAMES,
     clasping_hands,
     frames_from_joints,
+    guided_arms,
 )
 from pipeline.simulation.people.face_tracker import MAX_EYE_DOWN, MAX_EYE_SIDE, MAX_EYE_UP
+from pipeline.simulation.people.guided_dance import GUIDED_FRAMES
 from pipeline.simulation.people.person_inventory import person_record
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.people.wardrobe import Clothes
-from pipeline.simulation.spatial import Array, normalized, turn
+from pipeline.simulation.spatial import Array, heading, normalized, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character
@@ -36,6 +38,7 @@ from pipeline.spec.character import Character
 FEET, HANDS, FOREARMS = (
     [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")
 )
+ARMS = [FRAMES.index(name) for name in GUIDED_FRAMES]
 CHEST = FRAMES.index("chest")
 HEAD = JOINTS.index("head")
 
@@ -208,6 +211,7 @@ class FramePoser:
             forearms, chests = R[:, acting[:, FOREARMS]], R[:, acting[:, CHEST]]
             R[:, acting[:, HANDS]] = clasping_hands(forearms, chests, persons["embrace_blend"])
             R[:, acting[:, FEET]] = feet
+            _guide_arms(R, acting, persons)
         ball = 0
         for thing in self.things:
             own_nodes = p[:, slice(*thing.nodes)]
@@ -221,6 +225,21 @@ class FramePoser:
                 rest = np.broadcast_to(thing.rest.mean(axis=0), own_nodes[:, 0].shape)
                 places[:, thing.frame] -= turn(turned, rest)
         return R, places
+
+
+def _guide_arms(R: Array, acting: IntArray, persons: Records) -> None:
+    """Turn the arms of people that dance as their dances do.
+
+    Args:
+        R: (K, J, 3, 3) rotations; changed.
+        acting: (A, 15) frames of acting people.
+        persons: (K, A) `PERSON` records.
+    """
+    for k in np.flatnonzero((persons["dance_blend"] > 0.0).any(axis=0)).tolist():
+        rows = np.flatnonzero(persons["dance_blend"][:, k] > 0.0)
+        guide = heading(persons["heading"][rows, k])[:, None] @ persons["dance_arms"][rows, k]
+        places = np.ix_(rows, acting[k, ARMS])
+        R[places] = guided_arms(R[places], guide, persons["dance_blend"][rows, k])
 
 
 def frame_poser(

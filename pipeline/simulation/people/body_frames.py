@@ -109,6 +109,37 @@ def clasping_hands(forearms: Array, chest: Array, share: Array) -> Array:
     return np.stack([_swing_rotated(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
 
 
+def guided_arms(own: Array, guide: Array, share: Array) -> Array:
+    """Return the frames (..., 6, 3, 3) of arms and hands with the twist that a guide gives them.
+
+    Bones keep their directions, and hands follow the forearms as those of the guide do.
+
+    Args:
+        own: (..., 6, 3, 3) of upper arms, forearms and hands, the left one of each first.
+        guide: (..., 6, 3, 3) likewise.
+        share: (...) of the guide, 0 to 1.
+    """
+    turned = np.stack(
+        [
+            np.stack(
+                [
+                    _swing_rotated(
+                        guide[..., bone, :, 1], own[..., bone, :, 1], guide[..., k, :, c]
+                    )
+                    for c in range(3)
+                ],
+                axis=-1,
+            )
+            for k, bone in enumerate((0, 1, 2, 3, 2, 3))
+        ],
+        axis=-3,
+    )
+    mixed = own + share[..., None, None, None] * (turned - own)
+    y = normalized(mixed[..., 1])
+    x = normalized(cross(y, mixed[..., 2]))
+    return np.stack([x, y, cross(x, y)], axis=-1)
+
+
 def _trunk_frames(right: Array, up: Array, upright: bool) -> Array:
     """Return the frames (..., 3, 3) of a trunk along `up` if it is upright, else `right`."""
     if upright:

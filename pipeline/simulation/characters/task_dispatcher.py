@@ -181,7 +181,8 @@ class TaskDispatcher:
         if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
             return f"hugs {self.view.names[task.owner]}"
         is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
-        return "has its hands full" if is_busy else ""
+        words = "dances" if isinstance(task, Dance) else "has its hands full"
+        return words if is_busy else ""
 
     # --- for minds ------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
+from pipeline.spec.script import Instruction, Perform
 from tests.simulation.characters.scripted_people import (
     STEPS,
     Play,
@@ -26,6 +27,10 @@ dances:
     subtasks:
       - {hand: r, joints: {shoulder_flexion_deg: 90, elbow_flexion_deg: 4}}
       - {hand: l, touch: chest, beats: 2}
+  lift:
+    bar: 2
+    tempo_bpm: 120
+    subtasks: [{hand: r, joints: {shoulder_flexion_deg: 60}}]
   beat_it:
     bar: 4
     drums: {tom: {at: [0.4, 1.0, 0]}}
@@ -96,6 +101,22 @@ def test_a_dance_that_a_person_cannot_dance_is_refused(order: str, path: str, me
         Simulation(read_scene("pronk: 1\n" + text))
     assert path in str(caught.value)
     assert message in str(caught.value)
+
+
+def test_an_order_from_outside_gives_the_motion_of_the_same_script() -> None:
+    order = "{at: 0.1, who: anna, do: {dance: lift, bars: 1}}"
+    told = Simulation(read_scene("pronk: 1\n" + scene_text(f"- {order}\n", seconds=0.8)))
+    plain = scene_text("[]\n", seconds=0.8).replace("script:\n[]", "script: []")
+    directed = Simulation(read_scene("pronk: 1\n" + plain), directed=True)
+    directed.add_instruction(
+        Instruction(at=0.1, who="anna", do=Perform(dance="lift", bars=1)),
+    )
+    for simulation in (told, directed):
+        while not simulation.finished:
+            simulation.step()
+    paths = [simulation.take().positions for simulation in (told, directed)]
+    np.testing.assert_array_equal(*paths)
+    assert float(np.ptp(np.array(paths[0]), axis=0).max()) > 0.1
 
 
 def test_full_hands_do_not_dance() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import TypeGuard
@@ -19,6 +19,8 @@ from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroup
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.people.dressed_figure import PERSON_HINT, check_person, is_person
+from pipeline.simulation.people.guided_dance import DanceGuide
+from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.people.wardrobe import Clothes, deal_clothes
 from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.take import TakeNote
@@ -143,7 +145,7 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         from pipeline.simulation.characters.characters import Characters
 
         with refusals.gathered():
-            troupes.append(Characters(characters, world))
+            troupes.append(Characters(characters, world, _guide_maker(scene, world)))
     on_ground = [(i, m) for i, m in cast if isinstance(m, Body) and m.name not in bodies]
     if on_ground:
         from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
@@ -164,6 +166,17 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
             troupes.append(GroupTroupe(groups, world))
     refusals.refuse()
     return troupes
+
+
+def _guide_maker(scene: Scene, world: World) -> Callable[[str, Proportions], DanceGuide]:
+    """Returns what makes the dances of people that are no dancers."""
+
+    def made(name: str, proportions: Proportions) -> DanceGuide:
+        from pipeline.simulation.dancers.person_dance import PersonDances
+
+        return PersonDances(name, proportions, scene.dances, world.clock)
+
+    return made
 
 
 def _meets_all(member: Member, handled: Collection[str]) -> TypeGuard[Body | Many | Prop]:

@@ -167,7 +167,7 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         yield from _faults_of_urges(name, member, do, order)
     if key == "grab":
         yield from _faults_of_part(do, order, named.cast)
-    if performer == DANCER:
+    if performer == DANCER or key == "dance":
         yield from _faults_of_dancer(name, member, do, order, named)
 
 
@@ -229,11 +229,15 @@ def _faults_of_urges(name: str, member: object, do: object, path: Path) -> Itera
 def _faults_of_dancer(
     name: str, member: object, do: object, path: Path, named: NamedThings
 ) -> Iterator[Fault]:
-    """Find a dance that does not exist, and targets that a dancer cannot follow."""
+    """Find dances that do not exist, and targets that a dancer cannot follow."""
     dance = value_at(do, "dance")
     if isinstance(dance, str) and dance not in named.dances:
         message = f"no dance is called '{dance}', {hint(dance, named.dances, 'dances')}"
         yield Fault((*path, "dance"), message)
+    if performer_kind(member) != DANCER:
+        if isinstance(do, str):
+            yield Fault(path, f"'{name}' has no dance of its own; write {{dance: NAME, bars: 2}}")
+        return
     for key in ("look_at", "reach"):
         target = value_at(do, key)
         if target is not None and value_at(member, "parent") is not None:

@@ -140,6 +140,8 @@ OWNER = np.dtype(
         ("tangled_time", "f8"),
         # Whether contacts are solved for it now.
         ("active", "?"),
+        # Whether a dance guides its arms, which keeps them out of its own body.
+        ("is_guided", "?"),
         # Owner around whom its arms are put, or NOBODY.
         ("embraces", "i8"),
         # Merry-go-round whose deck it may stand on, or NOBODY.

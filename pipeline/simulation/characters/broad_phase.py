@@ -112,7 +112,8 @@ def find_link_pairs(
     found = 0
     for n in range(len(own)):
         a, b = own[n, 0], own[n, 1]
-        if not owners[links[a].owner].asleep:
+        owner = owners[links[a].owner]
+        if not owner.asleep and not owner.is_guided:
             found = _keep_pair(nodes, links, (a, b), pairs, found)
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]

@@ -25,8 +25,18 @@ from pipeline.simulation.characters.playthings import (
     merry_go_round_plan,
 )
 from pipeline.simulation.keyframe_track import rotation_from_angles
+from pipeline.simulation.people.joint_limits import (
+    ARM_CONE,
+    ELBOW_BEND,
+    KNEE_BEND,
+    LEG_CONE,
+    MAX_HEAD_TILT,
+    MAX_PELVIS_TILT,
+    MAX_SHOULDER_TILT,
+    MAX_SPINE_BEND,
+)
 from pipeline.simulation.people.proportions import (
-    ADULT,
+    BUILDS,
     CHILD,
     JOINTS,
     SEGMENT_MASSES,
@@ -63,17 +73,6 @@ LINK_RADII = {
 
 SKULL_RADIUS = 0.42  # in the head's own height
 JOINT_DAMPING = 3.0  # of limbs: a swing of a third of a second loses a tenth [1/s]
-
-# Limits of joints.
-MAX_FOLD = math.radians(150.0)  # of elbows and knees
-MAX_SPINE_BEND = math.radians(60.0)
-MAX_PELVIS_TILT, MAX_SHOULDER_TILT = math.radians(22.0), math.radians(16.0)  # on the spine
-MAX_HEAD_TILT = math.radians(50.0)
-
-LEG_CONE = (0.5, -0.85, 0.12), 88.0, (0.85, 0.5, 0.1), 35.0
-ARM_CONE = (0.6, -0.25, 0.75), 115.0, (-0.6, -0.7, 0.45), 100.0
-"""Axis of the cone of reach, its half angle, direction of the joint, its spread [degrees]; on
-the right side, in the frame of the trunk."""
 
 TOUCHING_LINKS = (
     *(
@@ -189,8 +188,8 @@ def _limits(rest: Array) -> list[Link]:
             _tilt_limit("spine", "pelvis", f"hip_{side}", MAX_PELVIS_TILT, rest),
             _tilt_limit("spine", "shoulders", f"shoulder_{side}", MAX_SHOULDER_TILT, rest),
             _tilt_limit("head", "shoulders", f"shoulder_{side}", MAX_HEAD_TILT, rest),
-            _fold_limit(f"shoulder_{side}", f"elbow_{side}", f"hand_{side}", rest),
-            _fold_limit(f"hip_{side}", f"knee_{side}", f"foot_{side}", rest),
+            _fold_limit(f"shoulder_{side}", f"elbow_{side}", f"hand_{side}", ELBOW_BEND, rest),
+            _fold_limit(f"hip_{side}", f"knee_{side}", f"foot_{side}", KNEE_BEND, rest),
         ]
     return limits
 
@@ -212,9 +211,9 @@ def _tilt_limit(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
     return Link(_ends(a, c), shortest=least, longest=most)
 
 
-def _fold_limit(a: str, b: str, c: str, rest: Array) -> Link:
+def _fold_limit(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
     x, y = _sides(a, b, c, rest)
-    least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(MAX_FOLD))
+    least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(math.radians(angle)))
     return Link(_ends(a, c), shortest=least, longest=x + y)
 
 
@@ -250,7 +249,7 @@ def _limbs(rest: Array) -> RecordArray:
 RAGDOLL = replace(CHILD, height=0.55, mass=0.7)
 """A doll with a child's proportions."""
 
-PEOPLE = {"child": CHILD, "adult": ADULT, "ragdoll": RAGDOLL}
+PEOPLE = {**BUILDS, "ragdoll": RAGDOLL}
 """Characters with the body of a person."""
 
 START_CLEARANCE = 2e-4

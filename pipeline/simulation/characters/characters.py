@@ -21,6 +21,12 @@ from pipeline.simulation.characters.character_plans import (
     start_nodes,
 )
 from pipeline.simulation.characters.contact_response import new_touch_log
+from pipeline.simulation.characters.dance_task import (
+    DanceGuides,
+    GuideMaker,
+    dance_contacts,
+    rest_dances,
+)
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
@@ -46,6 +52,7 @@ from pipeline.simulation.take import Face
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.character import Character
 from pipeline.spec.character_kinds import PEOPLE
+from pipeline.spec.script import Instruction
 
 SUB_STEP_RATE = 240.0
 """Least number of sub-steps per second."""
@@ -59,8 +66,11 @@ class Characters(Troupe):
 
     hits_obstacles = True
 
-    def __init__(self, cast: Sequence[Character], world: World) -> None:
+    def __init__(
+        self, cast: Sequence[Character], world: World, guide: GuideMaker | None = None
+    ) -> None:
         self.world, self.cast = world, cast
+        self.dances = DanceGuides(cast, guide, world.script)
         dt = world.clock.dt
         self.count = math.ceil(dt * SUB_STEP_RATE - 1e-9)
         self.plans = [plan_of(member) for member in cast]
@@ -121,7 +131,8 @@ class Characters(Troupe):
         ground = self.world.ground
         sub_step = self.world.clock.dt / self.count
         return CharacterView(
-            *(names, self.arrays, ground, frozenset(people), self.obstacle_circles, sub_step)
+            *(names, self.arrays, ground, frozenset(people), self.obstacle_circles, sub_step),
+            dances=self.dances.guides,
         )
 
     def _start_minds(self, view: CharacterView) -> MindScheduler | None:
@@ -196,8 +207,13 @@ class Characters(Troupe):
         if self.minds is not None:
             self.minds.read(orders)
 
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Refuse a dance that a person cannot learn."""
+        self.dances.prepare(instruction, path)
+
     def advance(self, step: int) -> None:
         """Advance from `step` to the next."""
+        rest_dances(self.persons)
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
@@ -212,11 +228,12 @@ class Characters(Troupe):
         steps = footfalls(
             self.persons, *people, world.ground, world.clock, step, self.contact_reporter
         )
+        strikes = dance_contacts(self.dispatcher, self.cast, world.clothes, step)
         voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
         self._facts = replace(
             done,
-            contacts=self.contact_reporter.contacts(self.log, step) + steps,
+            contacts=self.contact_reporter.contacts(self.log, step) + steps + strikes,
             touched=self.contact_reporter.touched(self.log) + done.touched,
             signals=self.signals.signals(voices),
         )

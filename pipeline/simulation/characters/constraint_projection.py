@@ -17,6 +17,7 @@ from pipeline.simulation.dynamics.vectors import Vector, length, minus, plus, ti
 
 LENGTH_TOLERANCE = 2e-3  # relative error of a link at which iteration stops
 MAX_ITERATIONS = 40
+GUIDED_LIMBS = 2  # arms, the last limbs of a person
 GRIP_CLOSING_SPEED = 1.0  # at which a hand and what it grips come together [m/s]
 GRIP_TOLERANCE = 5e-4  # [m]
 
@@ -40,7 +41,7 @@ def project_constraints(
         m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
         largest = max(largest, _project_middle(nodes[m], nodes[i], nodes[j]))
     first = owner.limbs[0]
-    for n in range(first, first + owner.limbs[1]):
+    for n in range(first, first + _limited_limbs(owner)):
         limit_limb(nodes, limbs[n])
     if owner.on_bearing:
         for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
@@ -149,8 +150,18 @@ def _activate_gripping(nodes: Records, owners: Records, grips: IntArray) -> bool
 @inlined
 def _set_joints(nodes: Records, limbs: Records, owner: Record) -> None:
     first = owner.limbs[0]
-    for n in range(first, first + owner.limbs[1]):
+    for n in range(first, first + _limited_limbs(owner)):
         place_joint(nodes, limbs[n])
+
+
+@inlined
+def _limited_limbs(owner: Record) -> int:
+    """Return how many limbs of a character have limits here: without arms that a dance guides.
+
+    Those have the limits of the guide's hinges, which reach farther than cones.
+    """
+    count: int = owner.limbs[1] - GUIDED_LIMBS if owner.is_guided else owner.limbs[1]
+    return count
 
 
 @inlined

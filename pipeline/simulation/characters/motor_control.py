@@ -18,6 +18,7 @@ from pipeline.simulation.characters.biped_gait import advance_feet
 from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, CharacterArrays
 from pipeline.simulation.characters.collision_avoidance import slide_feet, stop_before_solids
 from pipeline.simulation.characters.crowd_avoidance import avoid_people
+from pipeline.simulation.characters.dance_posture import hold_dance
 from pipeline.simulation.characters.deck_motion import follow_deck
 from pipeline.simulation.characters.gait_timing import (
     froude,
@@ -252,6 +253,7 @@ def control_people(
             hold_trunk(person, nodes, h)
             hold_legs(person)
             hold_arms(person, h)
+            hold_dance(person, owners, h)
         person.report_time += h
         stretch_chest(person, links, owners)
         drive_nodes(person, nodes, h)

@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
+from pipeline.simulation.characters.dance_task import Dance
 from pipeline.simulation.characters.grasp import hands_needed
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
 from pipeline.simulation.characters.hug_tasks import Hug
@@ -151,6 +152,10 @@ def _push(controller: PersonController, order: spec.PushRound) -> Task:
     return PushRound(controller.view.number(order.push), order.turns)
 
 
+def _dance(controller: PersonController, order: spec.Perform) -> Task:
+    return Dance(order, controller.view.dances[controller.name])
+
+
 TASKS: Mapping[type, Callable[[PersonController, Any], Task]] = {
     spec.GoTo: _walk,
     spec.TurnBy: _turn,
@@ -167,5 +172,6 @@ TASKS: Mapping[type, Callable[[PersonController, Any], Task]] = {
     spec.SitOn: _sit_on,
     spec.Ride: _ride,
     spec.PushRound: _push,
+    spec.Perform: _dance,
 }
 """Builders of tasks by the kind of order."""

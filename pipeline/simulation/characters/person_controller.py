@@ -29,6 +29,7 @@ from pipeline.simulation.dynamics.compiled import Record, Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.order_outcome import GripChange
+from pipeline.simulation.people.guided_dance import DanceGuide
 from pipeline.simulation.people.proportions import JOINTS, SEGMENTS
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -74,6 +75,7 @@ class CharacterView:
         holders: names of the people that hold members of other rooms, by name.
         slots: places on things that people have taken.
         persons: `PERSON` records of acting people, by their number.
+        dances: what people dance that are told to, by name.
     """
 
     names: Sequence[str]
@@ -88,6 +90,7 @@ class CharacterView:
     holders: dict[str, str] = field(default_factory=dict)
     slots: Slots = field(default_factory=Slots)
     persons: dict[int, Record] = field(default_factory=dict)
+    dances: Mapping[str, DanceGuide] = field(default_factory=dict)
 
     @cached_property
     def decks(self) -> Decks:

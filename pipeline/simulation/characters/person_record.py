@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.record_array import zero_records
+from pipeline.simulation.people.guided_dance import GUIDED_FRAMES, GUIDED_JOINTS
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
@@ -185,6 +186,16 @@ PERSON = np.dtype(
         ("deck_share", "f8"),
         ("carry_velocity", "f8", 2),
         ("carry_turn", "f8"),
+        # Whether a dance guides trunk and arms; blend to it, 0 to 1, and rate; time from one of its
+        # poses to the next [s]; joints from the pelvis at the start and at the end of this step
+        # [m], and rotations of arms and hands, in the frame of the heading.
+        ("dances", "?"),
+        ("dance_blend", "f8"),
+        ("dance_blend_rate", "f8"),
+        ("dance_step", "f8"),
+        ("dance_start", "f8", (len(GUIDED_JOINTS), 3)),
+        ("dance_end", "f8", (len(GUIDED_JOINTS), 3)),
+        ("dance_arms", "f8", (len(GUIDED_FRAMES), 3, 3)),
         # Target places of the nodes [m], now and one sub-step ago.
         ("targets", "f8", (NODE_COUNT, 3)),
         ("previous_targets", "f8", (NODE_COUNT, 3)),

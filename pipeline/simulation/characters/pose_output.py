@@ -21,16 +21,16 @@ from pipeline.simulation.dynamics.vectors import cross, dot
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.people.body_frames import (
     FRAMES,
-    PARENTS,
     clasping_hands,
-    frame_origins,
     frames_from_joints,
+    guided_arms,
 )
 from pipeline.simulation.people.face_tracker import MAX_EYE_DOWN, MAX_EYE_SIDE, MAX_EYE_UP
-from pipeline.simulation.people.person_mesh import layer_parts, person_layers
+from pipeline.simulation.people.guided_dance import GUIDED_FRAMES
+from pipeline.simulation.people.person_inventory import person_record
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.people.wardrobe import Clothes
-from pipeline.simulation.spatial import Array, normalized, turn
+from pipeline.simulation.spatial import Array, heading, normalized, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character
@@ -38,6 +38,7 @@ from pipeline.spec.character import Character
 FEET, HANDS, FOREARMS = (
     [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")
 )
+ARMS = [FRAMES.index(name) for name in GUIDED_FRAMES]
 CHEST = FRAMES.index("chest")
 HEAD = JOINTS.index("head")
 
@@ -210,6 +211,7 @@ class FramePoser:
             forearms, chests = R[:, acting[:, FOREARMS]], R[:, acting[:, CHEST]]
             R[:, acting[:, HANDS]] = clasping_hands(forearms, chests, persons["embrace_blend"])
             R[:, acting[:, FEET]] = feet
+            _guide_arms(R, acting, persons)
         ball = 0
         for thing in self.things:
             own_nodes = p[:, slice(*thing.nodes)]
@@ -225,6 +227,21 @@ class FramePoser:
         return R, places
 
 
+def _guide_arms(R: Array, acting: IntArray, persons: Records) -> None:
+    """Turn the arms of people that dance as their dances do.
+
+    Args:
+        R: (K, J, 3, 3) rotations; changed.
+        acting: (A, 15) frames of acting people.
+        persons: (K, A) `PERSON` records.
+    """
+    for k in np.flatnonzero((persons["dance_blend"] > 0.0).any(axis=0)).tolist():
+        rows = np.flatnonzero(persons["dance_blend"][:, k] > 0.0)
+        guide = heading(persons["heading"][rows, k])[:, None] @ persons["dance_arms"][rows, k]
+        places = np.ix_(rows, acting[k, ARMS])
+        R[places] = guided_arms(R[places], guide, persons["dance_blend"][rows, k])
+
+
 def frame_poser(
     cast: Sequence[Character], plans: Sequence[BodyPlan], clothes: Mapping[str, Clothes], rows: int
 ) -> FramePoser:
@@ -235,11 +252,12 @@ def frame_poser(
     first = 0
     for member, plan in zip(cast, plans, strict=True):
         frame = len(nodes)
-        if proportions_of(member) is not None:
+        if (proportions := proportions_of(member)) is not None:
             acting += [len(people)] if member.acts else []
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
-            made = _person(member, clothes[member.name], frame, len(meshes), rows)
+            worn = clothes[member.name]
+            made = person_record(member.name, proportions, worn, frame, len(meshes), rows)
         else:
             span = first, first + len(plan.rest)
             things.append(ThingFrame(frame, span, plan.rest, axis_nodes(member.character)))
@@ -255,25 +273,6 @@ def frame_poser(
         np.array(joints, dtype=np.int64).reshape(-1, len(JOINTS)),
         tuple(things),
     )
-
-
-def _person(
-    member: Character, clothes: Clothes, frame: int, mesh: int, rows: int
-) -> tuple[list[Node], list[Mesh], list[Part]]:
-    proportions = proportions_of(member)
-    assert proportions is not None
-    origins = frame_origins(proportions)
-    nodes = [
-        Node(
-            f"{member.name}.{name}",
-            member.name,
-            frame + parent if parent >= 0 else -1,
-            (float(x), float(y), float(z)),
-        )
-        for name, parent, (x, y, z) in zip(FRAMES, PARENTS, origins, strict=True)
-    ]
-    meshes, parts = layer_parts(member.name, person_layers(proportions, clothes), frame, mesh, rows)
-    return nodes, meshes, parts
 
 
 def _thing(

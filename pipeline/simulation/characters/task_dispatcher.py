@@ -13,6 +13,7 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
+from pipeline.simulation.characters.dance_task import Dance
 from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
@@ -67,7 +68,7 @@ SIDE_ORDERS = (
 ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 """Tasks that leave empty hands in the air when they are broken off."""
 
-BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt)
+BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt, Dance)
 """Tasks that are not left off for a hug."""
 
 WIDE_GRIP = 0.3
@@ -180,7 +181,8 @@ class TaskDispatcher:
         if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
             return f"hugs {self.view.names[task.owner]}"
         is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
-        return "has its hands full" if is_busy else ""
+        words = "dances" if isinstance(task, Dance) else "has its hands full"
+        return words if is_busy else ""
 
     # --- for minds ------------------------------------------------------------------------
 

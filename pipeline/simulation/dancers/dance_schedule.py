@@ -129,7 +129,7 @@ class DanceSchedule:
         member, dance = self._config(request), self.repertoire.dances[request.dance]
         beat, start = beat_duration(member, dance), now
         if not request.is_default or member.durations is None or member.tempo_bpm is not None:
-            start += _lead(dance) * beat
+            start += lead_beats(dance) * beat
             if member.beat is not None:
                 # Locked to the score: wait for the next beat.
                 beats = math.ceil((start - self.member.start) / beat - SLACK)
@@ -167,7 +167,7 @@ class DanceSchedule:
         return self.member.model_copy(update=changed)
 
 
-def _lead(dance: Dance) -> float:
+def lead_beats(dance: Dance) -> float:
     """Returns the number of beats by which the first move precedes the first beat."""
     early = [dance.subtasks[i].beats - on for i, _, on in subtask_onsets(dance)]
     return max(0.0, *early)

@@ -13,7 +13,7 @@ from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.obstacles import Obstacle, directions
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
-from pipeline.simulation.people.person_mesh import layer_parts, person_layers
+from pipeline.simulation.people.person_inventory import person_record
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array
@@ -75,24 +75,21 @@ def dancer_inventory(
     nodes, channels = list[Node](), list[Channel]()
     meshes, parts, solids = list[Mesh](), list[Part](), list[Obstacle]()
     for appearance, torso in zip(appearances, torsos, strict=True):
-        first, rest = len(nodes), appearance.rest().tolist()
-        for name, place in zip((*FRAMES, *appearance.drums), rest, strict=True):
-            nodes.append(
-                Node(
-                    f"{appearance.name}.{name}", appearance.name, -1, (place[0], place[1], place[2])
-                )
-            )
-        layers = person_layers(appearance.proportions, appearance.clothes)
-        own_meshes, own_parts = layer_parts(appearance.name, layers, first, len(meshes), rows)
-        meshes += own_meshes
-        parts += own_parts
+        first, own = len(nodes), appearance.name
+        person = person_record(
+            own, appearance.proportions, appearance.clothes, first, len(meshes), rows
+        )
+        nodes += person[0]
+        meshes += person[1]
+        parts += person[2]
+        nodes += [
+            Node(f"{own}.{name}", own, -1, drum.at) for name, drum in appearance.drums.items()
+        ]
         for k, (name, drum) in enumerate(appearance.drums.items()):
             meshes.append(_drum_mesh(drum, first + len(FRAMES) + k))
             size = 2.0 * drum.radius
-            part = f"{appearance.name}.{name}"
-            parts.append(
-                Part(part, appearance.name, len(meshes) - 1, drum.material, size, (0, rows))
-            )
+            part = f"{own}.{name}"
+            parts.append(Part(part, own, len(meshes) - 1, drum.material, size, (0, rows)))
         channels += [Channel(f"{appearance.name}.{joint}", "rad") for joint in torso.names]
         channels += [Channel(f"{appearance.name}.{joint}.torque", "N m") for joint in torso.names]
         solids += _solids(appearance, torso, first)

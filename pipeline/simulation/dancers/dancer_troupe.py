@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -24,7 +25,7 @@ from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.people.face_tracker import FaceTracker
-from pipeline.simulation.people.proportions import SEGMENT_MASSES
+from pipeline.simulation.people.guided_dance import BodyStrike, strike_contact
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
@@ -157,33 +158,20 @@ class DancerTroupe(Troupe):
         return R[self._links], places
 
     def _contact(self, k: int, strike: HandStrike) -> Contact:
-        look, member = self.looks[k], self.members[k]
-        dt = self.world.clock.dt
+        look, dt = self.looks[k], self.world.clock.dt
         begin = self._step * dt
         fraction = min(max((strike.time - begin) / dt, 0.0), math.nextafter(1.0, 0.0))
-        R, p = self.R_WB[k], self.p_WB[k]
-        place = p + (R * strike.place).sum(axis=1)
-        normal = (R * strike.normal).sum(axis=1)
-        drum = look.drums.get(strike.other)
-        proportions = look.proportions
-        mass = proportions.mass * (SEGMENT_MASSES["hand"] + 0.5 * SEGMENT_MASSES["forearm"])
-        skin = strike.other in ("head", "neck") or strike.other.startswith("hand")
-        surface = look.clothes.skin if skin else look.clothes.shirt
-        return Contact(
-            step=self._step,
-            fraction=fraction,
-            performer=member.name,
-            part=strike.hand,
-            other=strike.other,
-            place=_triple(place),
-            normal=_triple(normal),
-            speed=strike.speed,
-            energy=0.5 * mass * strike.speed**2,
-            material=look.clothes.skin,
-            surface=surface if drum is None else drum.material,
-            size=2.0 * drum.radius if drum is not None else proportions.hand * proportions.height,
-            kind="hit",
+        contact = strike_contact(
+            BodyStrike(
+                *(fraction, strike.hand, strike.other, strike.place, strike.normal, strike.speed)
+            ),
+            *(self.members[k].name, look.proportions, look.clothes, self._step),
+            (self.R_WB[k], self.p_WB[k]),
         )
+        drum = look.drums.get(strike.other)
+        if drum is None:
+            return contact
+        return replace(contact, surface=drum.material, size=2.0 * drum.radius)
 
 
 def _practised_motion(member: Dancer, programme: DanceSchedule, dt: float) -> DancerMotion:

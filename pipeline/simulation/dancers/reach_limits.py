@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.dancers.torso import JOINT_LIMITS, PALM_FRACTION
+from pipeline.simulation.dancers.torso import PALM_FRACTION
 from pipeline.simulation.dynamics.linkage import Capsule, Link, Site
+from pipeline.simulation.people.joint_limits import HINGE_LIMITS
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
@@ -79,7 +80,7 @@ def beyond_limits(angles: Mapping[str, float], path: str) -> Iterator[Problem]:
     """
     for key, angle in angles.items():
         joint = key.removesuffix("_deg").replace("_r_", "_").replace("_l_", "_")
-        lower, upper = JOINT_LIMITS[joint]
+        lower, upper = HINGE_LIMITS[joint]
         if not lower <= angle <= upper:
             message = f"is {angle:g} degrees, but the joint goes from {lower} to {upper}"
             yield Problem(f"{path}.joints.{key}", message)

@@ -23,7 +23,14 @@ from pipeline.simulation.dynamics.linkage import (
     Linkage,
     Site,
 )
-from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENT_MASSES, Proportions
+from pipeline.simulation.people.joint_limits import HINGE_LIMITS
+from pipeline.simulation.people.proportions import (
+    ADULT,
+    BUILDS,
+    JOINTS,
+    SEGMENT_MASSES,
+    Proportions,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dancer import Build, Dancer, Gains
 
@@ -51,23 +58,6 @@ JOINT_AXES = {
     "wrist_deviation": (0.0, 0.0, 1.0),
 }
 """Axis of each joint at rest; the X and Y components are negated on the left side."""
-
-JOINT_LIMITS = {
-    "waist_rotation": (-40, 40),
-    "waist_flexion": (-15, 45),
-    "waist_bend": (-25, 25),
-    "neck_rotation": (-75, 75),
-    "neck_flexion": (-45, 50),
-    "neck_bend": (-35, 35),
-    "shoulder_flexion": (-60, 185),
-    "shoulder_abduction": (-60, 160),
-    "shoulder_rotation": (-100, 115),
-    "elbow_flexion": (0, 150),
-    "wrist_pronation": (-95, 95),
-    "wrist_flexion": (-70, 75),
-    "wrist_deviation": (-30, 30),
-}
-"""Smallest and largest angle [degrees]."""
 
 GAINS = {
     "waist": (1600.0, 150.0, 300.0),
@@ -244,7 +234,7 @@ def _hinges(stem: str, person: Proportions, side: str = "") -> tuple[Hinge, ...]
             axis = np.array(JOINT_AXES[joint])
             if side == "l":
                 axis = axis * [-1.0, -1.0, 1.0]
-            lower, upper = (math.radians(angle) for angle in JOINT_LIMITS[joint])
+            lower, upper = (math.radians(angle) for angle in HINGE_LIMITS[joint])
             name = joint_name(joint, side) if side else joint
             result.append(Hinge(name, axis, lower, upper, stiffness, damping, strength))
     return tuple(result)
@@ -317,23 +307,13 @@ def with_gains(torso: Torso, gains: Gains) -> Torso:
     return replace(torso, linkage=linkage)
 
 
-BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
-"""Proportions by the name of a build."""
-
-
 def dancer_proportions(member: Dancer) -> Proportions:
     """Returns the proportions of a dancer."""
     dancer = member.dancer
     if not isinstance(dancer, Build):
-        return BUILDS[dancer]
+        return ADULT if dancer == "torso" else BUILDS[dancer]
     build = BUILDS[dancer.build]
     height = dancer.height or build.height
     # A constant body mass index.
     mass = dancer.mass or build.mass * (height / build.height) ** 2
     return replace(build, height=height, mass=mass)
-
-
-def is_child(member: Dancer) -> bool:
-    """Returns whether a dancer has the build of a child."""
-    dancer = member.dancer
-    return dancer == "child" or (isinstance(dancer, Build) and dancer.build == "child")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.simulation.people.joint_limits import LIMP_ANKLE_PITCH, MAX_ANKLE_PITCH, MAX_NOD
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import UP, Array, cross, normalized, turn, turn_inverse
 
@@ -40,10 +41,7 @@ ORIGINS = tuple(name for name in JOINTS if name != "head")
 
 HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
 LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend
-MAX_NOD = np.radians(50.0)  # of a head against its neck
 CLASP_BEND = 1.3  # of hands that lie around somebody, inward, as a tangent
-MAX_ANKLE_PITCH, LIMP_ANKLE_PITCH = np.radians(45.0), np.radians(110.0)
-# A sole is put down by the first at most; beyond the second the ankle lets go.
 
 ARM_SPREAD = normalized(np.array([1.0, -0.6, 0.7]))
 LEG_SPREAD = normalized(np.array([1.0, -1.0, 0.15]))
@@ -109,6 +107,37 @@ def clasping_hands(forearms: Array, chest: Array, share: Array) -> Array:
     inward = chest[..., None, :, 2] * np.array([[1.0], [-1.0]])
     bent = normalized(along + CLASP_BEND * share[..., None] * inward)
     return np.stack([_swing_rotated(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
+
+
+def guided_arms(own: Array, guide: Array, share: Array) -> Array:
+    """Return the frames (..., 6, 3, 3) of arms and hands with the twist that a guide gives them.
+
+    Bones keep their directions, and hands follow the forearms as those of the guide do.
+
+    Args:
+        own: (..., 6, 3, 3) of upper arms, forearms and hands, the left one of each first.
+        guide: (..., 6, 3, 3) likewise.
+        share: (...) of the guide, 0 to 1.
+    """
+    turned = np.stack(
+        [
+            np.stack(
+                [
+                    _swing_rotated(
+                        guide[..., bone, :, 1], own[..., bone, :, 1], guide[..., k, :, c]
+                    )
+                    for c in range(3)
+                ],
+                axis=-1,
+            )
+            for k, bone in enumerate((0, 1, 2, 3, 2, 3))
+        ],
+        axis=-3,
+    )
+    mixed = own + share[..., None, None, None] * (turned - own)
+    y = normalized(mixed[..., 1])
+    x = normalized(cross(y, mixed[..., 2]))
+    return np.stack([x, y, cross(x, y)], axis=-1)
 
 
 def _trunk_frames(right: Array, up: Array, upright: bool) -> Array:

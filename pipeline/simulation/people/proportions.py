@@ -140,6 +140,9 @@ CHILD = Proportions(
     head_size=0.180,
 )
 
+BUILDS = {"adult": ADULT, "child": CHILD}
+"""Proportions by the name of a build."""
+
 SEGMENT_MASSES = {
     "head": 0.081,
     "trunk": 0.497,

@@ -24,13 +24,13 @@ from pipeline.simulation.dancers.posture_sequence import PostureSpline, natural_
 from pipeline.simulation.dancers.torso import (
     ARM,
     HANDS,
-    JOINT_LIMITS,
     PALM_FRACTION,
     Torso,
     build_torso,
 )
 from pipeline.simulation.dynamics.linkage import Site
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
+from pipeline.simulation.people.joint_limits import HINGE_LIMITS
 from pipeline.simulation.people.proportions import ADULT, JOINTS
 from pipeline.simulation.spatial import Array
 
@@ -194,7 +194,7 @@ def test_random_reaches_arrive_without_penetration(count: int, seed: int) -> Non
     rng = np.random.default_rng(seed)
     torso, moving, arm = standing_torso()
     home, own, done, retries = moving.q.copy(), torso.arm("r"), 0, 0
-    lower, upper = np.radians([JOINT_LIMITS[joint] for joint in ARM]).T
+    lower, upper = np.radians([HINGE_LIMITS[joint] for joint in ARM]).T
     # Further abduction repeats postures with another flexion.
     upper[1] = np.radians(90.0)
 

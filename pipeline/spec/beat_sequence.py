@@ -227,9 +227,9 @@ def _times(window: object) -> tuple[float, float]:
 
 
 def _film_length(scene: object) -> float:
-    """Return the length of the film [s], infinite where it is not written in seconds."""
+    """Return the length of the film [s], infinite where no seconds are written."""
     duration: Any = value_at(scene, "duration")
-    return float(duration) if _is_number(duration) else float("inf")
+    return float(duration) if _is_number(duration) and duration > 0 else float("inf")
 
 
 def _is_number(value: object) -> bool:

@@ -16,7 +16,6 @@ from pipeline.spec.model_base import Fault
 from pipeline.spec.partial_scene import (
     Path,
     cast_by_name,
-    given_keys,
     items_of,
     kind_of,
     located_instructions,
@@ -25,6 +24,7 @@ from pipeline.spec.partial_scene import (
     value_at,
 )
 from pipeline.spec.relations import people_with_minds
+from pipeline.spec.script import When
 from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import (
     EVENT_MEMBER,
@@ -49,6 +49,9 @@ from pipeline.spec.verbs import (
     key_of_order,
     verbs_of,
 )
+
+NEAR_DISTANCE = When.model_fields["within"].default
+"""Distance that counts as near if an author gives none [m]."""
 
 HAND_ORDERS = ("reach", "grab", "carry", "throw", "let_go")
 """Orders to hands, which creatures have poses for."""
@@ -276,7 +279,9 @@ def faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[Fa
                 )
     for key in ("fell", "at_rest"):
         yield from faults_of_target(value_at(when, key), "", EVENT_MEMBER, (*path, key), named.cast)
-    if given_keys(when) and "within" in given_keys(when) and value_at(when, "near") is None:
+    # A scene that is written in full has the default beside other events.
+    is_given = value_at(when, "within") not in (None, NEAR_DISTANCE)
+    if is_given and value_at(when, "near") is None:
         yield Fault((*path, "within"), "belongs to near; remove this", at_key=True)
     yield from _faults_of_hug(value_at(when, "hug"), (*path, "hug"), named.cast)
     yield from _faults_of_failure(when, path, named.cast)

@@ -23,7 +23,7 @@ from pipeline.spec.partial_scene import (
 )
 from pipeline.spec.relations import faults_of_person, faults_of_relations
 from pipeline.spec.script import Wait
-from pipeline.spec.story import Feeling
+from pipeline.spec.story import Feeling, Situation
 from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import EVENT_PLACE, faults_of_target
 from pipeline.spec.verbs import VERBS, key_of_order
@@ -120,7 +120,9 @@ def _faults_of_pairs(when: object, path: Path, named: NamedThings) -> Iterator[F
                 yield from faults_of_target(name, "", EVENT_PLACE, place, named.cast, named.places)
     given = given_keys(when)
     for key, owner in (("within", "near"), ("beyond", "apart")):
-        if key in given and owner not in given:
+        # A scene that is written in full has the default beside no pair.
+        default = Situation.model_fields[key].default
+        if key in given and value_at(when, key) != default and owner not in given:
             yield Fault((*path, key), f"belongs to {owner}; remove this", at_key=True)
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.production.direct.session import without_beats
 from pipeline.spec import read_scene
 from pipeline.spec.digest import simulation_key
 from pipeline.spec.scene import Scene
+from pipeline.spec.yaml_writer import dump
 
 CAST = """\
 pronk: 1
@@ -132,6 +134,19 @@ def test_relations_and_goals_make_minds() -> None:
     # So the script may change their urges.
     script = "script: [{at: 1, who: ben, do: {urge: {carry: 0.2}}}]\n"
     assert scene_of(story, CAST + script)
+
+
+def test_another_program_directs_instead_of_the_beats() -> None:
+    scene = scene_of(f"{{relations: [{{parent: mother, of: anna}}], beats: [{PLAY}]}}")
+    story = without_beats(scene).story
+    assert story is not None
+    assert (story.beats, len(story.relations)) == ((), 1)
+    assert without_beats(read_scene(CAST)).story is None
+    # The directed scene is written as YAML.
+    assert "parent: mother" in dump(without_beats(scene), in_full=False)
+    events = beats("name: x, do: [{who: ben, do: sit}], until: {arrived: ben}".join("{}"))
+    for one in (scene, scene_of(events)):
+        assert read_scene(dump(one)).story == one.story
 
 
 def test_a_story_is_part_of_the_key_of_a_take() -> None:

@@ -143,8 +143,6 @@ class Skin:
 
 def _spread_vertices(vertices: Array, most: int) -> NDArray[np.int64]:
     """Return the numbers of some vertices (V, 3): every n-th, and the outermost six."""
-    if not len(vertices):
-        return np.zeros(0, dtype=np.int64)
     every = np.arange(0, len(vertices), -(-len(vertices) // most))
     return np.unique(np.concatenate([every, vertices.argmin(axis=0), vertices.argmax(axis=0)]))
 

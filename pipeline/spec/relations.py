@@ -24,6 +24,9 @@ FOE_FEAR, THREAT_FEAR = 0.3, 0.6
 FRIENDLY_INTEREST = 0.25
 """Added to the interest of friends in one another."""
 
+OTHER, WHOSE = "of", "Whose: a child or an adult."
+"""Key of the second person of a relation, after the one that selects it, and its description."""
+
 
 @dataclass(frozen=True, slots=True)
 class Attitude:
@@ -43,14 +46,17 @@ class Attitude:
 class RelationTo(ConfigModel):
     """A relation of one person, whom its key names, to another."""
 
-    of: Name = Field(description="Whose: a child or an adult.")
-
     key: ClassVar[str]
 
     @property
     def who(self) -> str:
         """Name of the first person."""
         return str(getattr(self, self.key))
+
+    @property
+    def other(self) -> str:
+        """Name of the second person."""
+        return str(getattr(self, OTHER))
 
     def attitude(self) -> Attitude:
         """Return what the first person feels towards the second."""
@@ -66,6 +72,7 @@ class ParentOf(RelationTo):
 
     key = "parent"
     parent: Name = Field(description="The parent, a child or an adult.")
+    of: Name = Field(description=WHOSE)
 
     def attitude(self) -> Attitude:
         """See `RelationTo`."""
@@ -81,6 +88,7 @@ class FriendOf(RelationTo):
 
     key = "friend"
     friend: Name = Field(description="The friend, a child or an adult.")
+    of: Name = Field(description=WHOSE)
 
     def attitude(self) -> Attitude:
         """See `RelationTo`."""
@@ -96,6 +104,7 @@ class FoeOf(RelationTo):
 
     key = "foe"
     foe: Name = Field(description="The foe, a child or an adult.")
+    of: Name = Field(description=WHOSE)
 
     def attitude(self) -> Attitude:
         """See `RelationTo`."""
@@ -111,6 +120,7 @@ class ThreatTo(RelationTo):
 
     key = "threat"
     threat: Name = Field(description="Who frightens the other, a child or an adult.")
+    of: Name = Field(description=WHOSE)
 
     def attitude_back(self) -> Attitude:
         """See `RelationTo`."""
@@ -138,8 +148,8 @@ def attitudes_of(relations: Iterable[RelationTo]) -> Attitudes:
     """Return the attitudes that relations make."""
     found: dict[tuple[str, str], list[Attitude]] = {}
     for one in relations:
-        found.setdefault((one.who, one.of), []).append(one.attitude())
-        found.setdefault((one.of, one.who), []).append(one.attitude_back())
+        found.setdefault((one.who, one.other), []).append(one.attitude())
+        found.setdefault((one.other, one.who), []).append(one.attitude_back())
     return found
 
 
@@ -170,12 +180,12 @@ def faults_of_relations(scene: object, relations: object, path: Path) -> Iterato
         key = next((key for key in RELATIONS if value_at(relation, key) is not None), None)
         if key is None:
             continue
-        who, other = value_at(relation, key), value_at(relation, "of")
-        for field, name in ((key, who), ("of", other)):
+        who, other = value_at(relation, key), value_at(relation, OTHER)
+        for field, name in ((key, who), (OTHER, other)):
             if isinstance(name, str):
                 yield from faults_of_person(name, cast, (*path, i, field))
         if isinstance(who, str) and who == other:
-            yield Fault((*path, i, "of"), f"'{who}' is no {key} of itself; name another")
+            yield Fault((*path, i, OTHER), f"'{who}' is no {key} of itself; name another")
 
 
 def faults_of_person(name: str, cast: Mapping[str, object], path: Path) -> Iterator[Fault]:
@@ -200,7 +210,7 @@ def people_with_minds(scene: object) -> set[str]:
     }
     for _, relation in items_of(value_at(story, "relations")):
         found.update(
-            name for key in (*RELATIONS, "of") if isinstance(name := value_at(relation, key), str)
+            name for key in (*RELATIONS, OTHER) if isinstance(name := value_at(relation, key), str)
         )
     for _, goal in items_of(value_at(story, "goals")):
         if isinstance(who := value_at(goal, "who"), str):

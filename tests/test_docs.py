@@ -25,7 +25,8 @@ WALKER = "cast: [{name: mare, figure: horse, walk: {}}]\n"
 def blocks() -> list[tuple[str, str]]:
     """Return (name, YAML text) of the scenes in the README and the pages on the language."""
     found = []
-    for page in (ROOT / "README.md", ROOT / "docs" / "scenes.md", ROOT / "docs" / "scripts.md"):
+    pages = ("README.md", "docs/scenes.md", "docs/scripts.md", "docs/stories.md")
+    for page in map(ROOT.joinpath, pages):
         texts = BLOCK.findall(page.read_text(encoding="utf-8"))
         found += [(f"{page.name} {n}", text) for n, text in enumerate(texts, start=1)]
     return found

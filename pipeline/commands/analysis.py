@@ -22,7 +22,9 @@ from pipeline.commands.options import (
 if TYPE_CHECKING:
     from pipeline.production.run.progress import Reporter
 
-plots = typer.Typer(no_args_is_help=True, help="Draw plots over time: gait, events, minds.")
+plots = typer.Typer(
+    no_args_is_help=True, help="Draw plots over time: gait, events, minds, stories."
+)
 reports = typer.Typer(no_args_is_help=True, help="Print measurements of a scene.")
 
 
@@ -125,6 +127,17 @@ def plot_mind(scene: SceneName, options: RunOptions) -> None:
 
     reporter = options.reporter()
     svg, png = mind_plot.plot_mind(options.order(scene), reporter)
+    reporter.result(f"{svg}, {png}")
+
+
+@plots.command("story", cls=SuggestingCommand)
+@with_options
+def plot_story(scene: SceneName, options: RunOptions) -> None:
+    """Draw wanted and played tension of a story, its beats, and anxiety of people."""
+    from pipeline.production.reports import story_plot
+
+    reporter = options.reporter()
+    svg, png = story_plot.plot_story(options.order(scene), reporter)
     reporter.result(f"{svg}, {png}")
 
 

@@ -33,7 +33,9 @@ from pipeline.spec.body import Many
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.dancer import Dancer
+from pipeline.spec.relations import attitudes_of
 from pipeline.spec.scene import Scene
+from pipeline.spec.yaml_tree import path_text
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -89,6 +91,14 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     world = World(
         ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed, places
     )
+    if scene.story is not None:
+        world = replace(
+            world,
+            beat_orders=[
+                (path_text(path), order) for path, order in scene.instructions[len(scene.script) :]
+            ],
+            attitudes=attitudes_of(scene.story.relations),
+        )
     figures, troupes = dict[str, Figure](), list[Troupe]()
     with refusals.gathered():
         figures = figures_of(scene)
@@ -171,8 +181,8 @@ def _refuse_unknown_parts(scene: Scene, members: Members) -> None:
     """
     problems = [
         problem
-        for i, instruction in enumerate(scene.script)
-        for problem in members.problems(instruction, f"script[{i}]")
+        for path, instruction in scene.instructions
+        for problem in members.problems(instruction, path_text(path))
     ]
     if problems:
         raise SceneError(problems)

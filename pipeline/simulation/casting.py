@@ -140,7 +140,7 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
             troupes.append(DancerTroupe(scene.dancers, scene.dances, world))
     # Characters push bodies through the contact coupling instead.
     pushing = [troupe.inventory for troupe in troupes]
-    characters = [member for _, member in cast if isinstance(member, Character)]
+    characters = scene.characters
     if characters:
         from pipeline.simulation.characters.characters import Characters
 

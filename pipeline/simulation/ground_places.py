@@ -21,6 +21,7 @@ from pipeline.spec.group import Group
 from pipeline.spec.model_base import Point
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Carry, GoTo, Instruction, JumpOnce
+from pipeline.spec.yaml_tree import path_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +60,8 @@ class GroundPlaces:
             SceneError: if there are any; holds the problems of all.
         """
         places = [*self._of_cast()]
-        for i, instruction in enumerate(self._scene.script):
-            places += self._of_order(instruction, f"script[{i}]")
+        for path, instruction in self._scene.instructions:
+            places += self._of_order(instruction, path_text(path))
         self._refuse(places)
 
     def refuse_order(self, instruction: Instruction, path: str) -> None:

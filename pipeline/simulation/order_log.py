@@ -61,6 +61,10 @@ class OrderLog:
             for order in given:
                 self._give(step, who, order)
 
+    def is_open(self, who: str, order: Do) -> bool:
+        """Returns whether an order, the object that was given, has not ended."""
+        return any(last.order is order for last in self._open.get(who, ()))
+
     def _give(self, step: int, who: str, order: Do) -> None:
         key = key_of_order(order) or ""
         verb, performer = VERBS[key], self._performers.get(who)

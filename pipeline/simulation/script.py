@@ -9,7 +9,7 @@ Source: Sims 1987, 3.2.4.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from pipeline.simulation.clock import Clock
@@ -52,9 +52,9 @@ PerformerOrder = tuple[str, Do]
 class Script:
     """Pending instructions of a scene, and those from outside.
 
-    In one step the scene's timed ones come first, then those from outside, then `walk` after a
-    `wait`, then those that waited for an event. So instructions from outside may be written into
-    the scene at the times at which they were given, with the same result.
+    In one step the scene's timed ones come first, then those from outside, those of beats, `walk`
+    after a `wait`, and those that waited for an event. So instructions from outside may be written
+    into the scene at the times at which they were given, with the same result.
 
     Attributes:
         told: instructions from outside that were given: step, performer, and order.
@@ -71,6 +71,10 @@ class Script:
         self._waiting: list[Instruction] = []
         self._late: list[Instruction] = []
         self._waiting_outside: list[Instruction] = []
+        self._beats: dict[int, list[Instruction]] = {}
+        self._waiting_in_beat: list[Instruction] = []
+        # Instructions of a beat that begins with this step wait from the next one on.
+        self._new_in_beat: list[Instruction] = []
         for one in instructions:
             if one.at is None:
                 self._waiting.append(one)
@@ -91,10 +95,32 @@ class Script:
         else:
             _schedule(self._outside, max(self.clock.step_from(instruction.at), step), instruction)
 
+    def add(self, instructions: Iterable[Instruction], step: int) -> None:
+        """Adds instructions of a beat, before `step` is taken; their times count from it."""
+        for one in instructions:
+            if one.when is not None:
+                self._new_in_beat.append(one)
+            else:
+                due = step + self.clock.step_from(one.at or 0.0)
+                self._beats.setdefault(due, []).append(one)
+
+    def is_pending(self, instructions: Iterable[Instruction]) -> bool:
+        """Returns whether any instruction of a beat is not given yet."""
+        waiting = (*self._waiting_in_beat, *self._new_in_beat)
+        pending = {id(one) for several in (*self._beats.values(), waiting) for one in several}
+        return any(id(one) in pending for one in instructions)
+
+    def withdraw(self, instructions: Iterable[Instruction]) -> None:
+        """Removes the instructions of a beat that are not given yet."""
+        gone = {id(one) for one in instructions}
+        for waiting in (*self._beats.values(), self._waiting_in_beat, self._new_in_beat):
+            waiting[:] = [one for one in waiting if id(one) not in gone]
+
     @property
     def awaited(self) -> set[Event]:
         """Events that pending instructions wait for."""
         waiting = (*self._waiting, *self._waiting_outside)
+        waiting += (*self._waiting_in_beat, *self._new_in_beat)
         return {event_of(one.when) for one in waiting if one.when is not None}
 
     @property
@@ -113,6 +139,10 @@ class Script:
         outside = self._outside.pop(step, []) + _take_triggered(self._waiting_outside, events)
         self.told.extend((step, who, do) for who, do in outside)
         due = self._timed.pop(step, []) + outside
+        due += [(one.who, one.do) for one in self._beats.pop(step, [])]
+        due += _take_triggered(self._waiting_in_beat, events)
+        self._waiting_in_beat += self._new_in_beat
+        self._new_in_beat = []
         due += self._resumed.pop(step, []) + _take_triggered(self._waiting, events)
         given: dict[str, list[Do]] = {}
         for who, do in due:

@@ -17,6 +17,8 @@ from pipeline.simulation.recorder import NoteLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.start_overlaps import overlap_notes
+from pipeline.simulation.story.director import StoryDirector
+from pipeline.simulation.story.scene_stage import SceneStage
 from pipeline.simulation.sunk_notes import sunk_notes
 from pipeline.simulation.take import Take, TakeNote
 from pipeline.simulation.thing_notes import thing_notes
@@ -25,6 +27,7 @@ from pipeline.spec.handled_members import refusal_of_handling
 from pipeline.spec.order_support import performer_kind
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
+from pipeline.spec.story import Story
 
 COMMAND = "command"
 """Path of an instruction from outside, in error messages."""
@@ -62,6 +65,11 @@ class Simulation:
         self._detection = parts.detection
         kinds = {member.name: performer_kind(member) for member in scene.cast}
         self.order_log = OrderLog({name: kind for name, kind in kinds.items() if kind})
+        self._director = StoryDirector(
+            scene.story or Story(),
+            *(self.world.clock, scene.seed, self.script, self.order_log.is_open),
+            SceneStage(self._members, self.troupes, self.last_row),
+        )
         self._scene, self.step_number = scene, 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
@@ -172,12 +180,14 @@ class Simulation:
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         self.order_log.finish(self.step_number, self.script)
+        self._director.finish(self.step_number)
         return replace(
             self.recorder.take(),
             mechanisms=mechanisms,
             legs=tuple(self.legs()),
             aliases=self.aliases,
             orders=tuple(self.order_log.records),
+            beats=tuple(self._director.records),
         )
 
     def legs(self) -> list[Leg]:
@@ -195,13 +205,16 @@ class Simulation:
             pushed.change_grips(changes, hands)
 
     def _give_orders(self) -> Orders:
-        orders = self.script.orders(self.step_number, self._events())
+        events = self._events()
+        self._director.advance(self.step_number, events)
+        orders = self.script.orders(self.step_number, events)
         self.order_log.give(self.step_number, orders)
         return orders
 
     def _events(self) -> set[Event]:
         """Returns the events of the last step that instructions may wait for."""
-        events, awaited = reported_events(self._facts), self.script.awaited
+        events = reported_events(self._facts)
+        awaited = self.script.awaited | self._director.awaited
         if self._monitor.needs_members(awaited):
             self._members.update(self.last_row())
             events |= self._monitor.events(awaited, self._facts.contacts)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -33,11 +33,11 @@ ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = (
     *("nodes", "channels", "parts", "contacts", "events"),
-    *("notes", "mechanisms", "legs", "aliases", "orders", "faces"),
+    *("notes", "mechanisms", "legs", "aliases", "orders", "faces", "beats"),
 )
 """Attributes of a take that are tables of records."""
 
-OPTIONAL_TABLES = ("mechanisms", "legs", "aliases", "orders", "faces")
+OPTIONAL_TABLES = ("mechanisms", "legs", "aliases", "orders", "faces", "beats")
 """Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
@@ -296,6 +296,41 @@ class OrderRecord:
 
 
 @dataclass(frozen=True, slots=True)
+class BeatRecord:
+    """What became of a beat, or of a goal, of the story.
+
+    Attributes:
+        name: of the beat or goal.
+        choice: name of the way in which it was played, "" for the only one.
+        step: at which it began, or was reached.
+        end: step at which it was over.
+        outcome: "played", "cut off" by the end of the film, or "never played"; of a goal
+            "reached" or "never reached".
+        reason: why it was picked, or why it never was.
+        tension: that it leads to, 0 to 1.
+        ending: why it was over.
+    """
+
+    name: str
+    choice: str
+    step: int
+    end: int
+    outcome: str
+    reason: str
+    tension: float = 0.0
+    ending: str = ""
+
+    @property
+    def is_played(self) -> bool:
+        """Whether it is a beat that was played, if only in part."""
+        return self.outcome in ("played", "cut off", "playing")
+
+    def ended(self, step: int, outcome: str, ending: str) -> BeatRecord:
+        """Returns the record of the beat when it is over."""
+        return replace(self, end=step, outcome=outcome, ending=ending)
+
+
+@dataclass(frozen=True, slots=True)
 class Face:
     """A face that moves, by the name of its performer."""
 
@@ -346,6 +381,7 @@ class Take:
         aliases: names of drawing nodes for the nodes of creatures.
         orders: of the script, and what became of them, in the order of time.
         faces: F faces that move.
+        beats: of the story, and its goals, in the order of time.
         expressions: (K, F, n) float32 units and gaze of these, in the order of
             `face_units.COLUMNS`; empty without faces.
     """
@@ -370,6 +406,7 @@ class Take:
     aliases: tuple[NodeAlias, ...] = ()
     orders: tuple[OrderRecord, ...] = ()
     faces: tuple[Face, ...] = ()
+    beats: tuple[BeatRecord, ...] = ()
     expressions: NDArray[np.float32] = field(
         default_factory=lambda: np.zeros((0, 0, 0), np.float32)
     )

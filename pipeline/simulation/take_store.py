@@ -25,6 +25,7 @@ from pipeline.simulation.take import (
     FORMAT,
     OPTIONAL_ARRAYS,
     OPTIONAL_TABLES,
+    BeatRecord,
     Channel,
     Contact,
     Face,
@@ -53,6 +54,7 @@ RECORD_TYPES: dict[str, Any] = {
     "aliases": NodeAlias,
     "orders": OrderRecord,
     "faces": Face,
+    "beats": BeatRecord,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)

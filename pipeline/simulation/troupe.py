@@ -27,6 +27,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node, TakeNote
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.mood import Mood
+from pipeline.spec.relations import Attitudes
 from pipeline.spec.script import Instruction
 from pipeline.spec.sound_thresholds import Detect
 
@@ -39,7 +40,9 @@ class World:
         ground: terrain.
         clock: grid of steps, rows and frames.
         seed: seed of the scene.
-        script: all instructions of the scene.
+        script: all instructions of the scene's script.
+        beat_orders: instructions of the beats of its story, with their paths.
+        attitudes: what people feel towards others by the relations of the story.
         moods: moods by name.
         detect: thresholds of the sound detectors.
         directed: whether further instructions may arrive while the simulation runs.
@@ -58,6 +61,14 @@ class World:
     places: Mapping[str, Array] = field(default_factory=dict)
     solids: Sequence[MovingSolid] = ()
     clothes: Mapping[str, Clothes] = field(default_factory=dict)
+    beat_orders: Sequence[tuple[str, Instruction]] = ()
+    attitudes: Attitudes = field(default_factory=dict)
+
+    @property
+    def instructions(self) -> list[tuple[str, Instruction]]:
+        """All instructions of the scene, with their paths in it."""
+        script = [(f"script[{i}]", instruction) for i, instruction in enumerate(self.script)]
+        return [*script, *self.beat_orders]
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +185,10 @@ class Troupe:
     def facts(self) -> Facts:
         """Returns the contacts, notes and signals of the last step."""
         return Facts()
+
+    def feelings(self) -> Mapping[str, Mapping[str, float]]:
+        """Returns what its members with minds feel now, by name and feeling, from 0 to 1."""
+        return {}
 
     # --- after the last step ----------------------------------------------------------
 

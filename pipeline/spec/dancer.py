@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -287,7 +287,9 @@ def beat_at(beat: float, sound: Sound) -> tuple[float, float]:
 
 
 def faults_of_beats(
-    cast: Sequence[object], sound: Sound, script: Sequence[Instruction]
+    cast: Sequence[object],
+    sound: Sound,
+    instructions: Iterable[tuple[tuple[PathSegment, ...], Instruction]],
 ) -> Iterator[Fault]:
     """Find dancers whose tempo does not fit that of the score, and beats before the film."""
     for i, member in enumerate(cast):
@@ -296,21 +298,21 @@ def faults_of_beats(
         tempos: list[tuple[tuple[PathSegment, ...], float | None]] = [
             (("cast", i, "tempo_bpm"), member.tempo_bpm)
         ]
-        for k, instruction in enumerate(script):
+        for path, instruction in instructions:
             if isinstance(instruction.do, Perform) and instruction.who == member.name:
-                tempos.append((("script", k, "do", "tempo_bpm"), instruction.do.tempo_bpm))
+                tempos.append(((*path, "do", "tempo_bpm"), instruction.do.tempo_bpm))
         score = sound.beats_per_minute
         if any(change.tempo_bpm is not None for change in sound.tempo_map):
             message = "needs a score of one tempo; write start, or remove tempos of sound.tempo_map"
             yield Fault(("cast", i, "beat"), message, at_key=True)
-        for path, own in tempos:
+        for place, own in tempos:
             if own is not None and not _is_multiple(own, score):
                 message = (
                     f"{own:g} beats a minute do not fit beat {member.beat:g} of a score at "
                     f"{score:g}; remove this to dance at {score:g}, or write {0.5 * score:g} or "
                     f"{2 * score:g}"
                 )
-                yield Fault(path, message)
+                yield Fault(place, message)
         start, _ = beat_at(member.beat, sound)
         if start < 0.0:
             message = f"beat {member.beat:g} of the score is at {start:.4g} s, before the film"

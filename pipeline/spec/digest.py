@@ -34,7 +34,7 @@ def simulation_key(scene: Scene) -> str:
     Names of materials are in it, for parts carry them; how the materials look is not.
     """
     # Later blocks of the language are left out of scenes without them, whose keys stay the same.
-    later = [part for part in ("dances", "moods") if getattr(scene, part)]
+    later = [part for part in ("dances", "moods", "story") if getattr(scene, part)]
     if any(member.beat is not None for _, member in scene.dancers):
         later.append("beats")
     return scene_digest(scene, (*SIMULATED, *later))

@@ -17,7 +17,8 @@ def handled_members(scene: Scene, directed: bool) -> frozenset[str]:
         directed: whether further orders may arrive. They are for bodies, and for props that go
             with nothing and that nothing goes with.
     """
-    names = {name for one in scene.script if (name := handled_by(one.do)) is not None}
+    orders = (instruction.do for _, instruction in scene.instructions)
+    names = {name for do in orders if (name := handled_by(do)) is not None}
     if directed and any(isinstance(m, Character) and m.acts for m in scene.cast):
         tied = _tied_props(scene)
         for member in scene.cast:

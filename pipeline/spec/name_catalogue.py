@@ -27,6 +27,7 @@ from pipeline.spec.events import EVENTS
 from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
 from pipeline.spec.model_base import ConfigModel
 from pipeline.spec.mood import MOODS
+from pipeline.spec.relations import RELATIONS
 from pipeline.spec.scene_library import (
     SEQUENCES,
     SUFFIX,
@@ -317,6 +318,10 @@ def _behaviours(_: Path) -> Iterator[NameEntry]:
         yield NameEntry(name, _sentence(form) if form else behaviour.WITHDRAWAL_TEXT)
 
 
+def _relations(_: Path) -> Iterator[NameEntry]:
+    return (NameEntry(name, _sentence(model)) for name, model in RELATIONS.items())
+
+
 def _instruments(_: Path) -> Iterator[NameEntry]:
     for program, name in enumerate(INSTRUMENTS):
         yield NameEntry(name, f"program {program + 1}", FAMILIES[program // FAMILY_SIZE])
@@ -384,6 +389,7 @@ NAME_KINDS: Mapping[str, NameKind] = {
     "props": NameKind("`prop: {shape: ...}` of the cast, which the author moves", _props),
     "groups": NameKind("`group: {rule: ...}` of the cast", _groups),
     "behaviours": NameKind("`behaviours:` of characters, and `urge:`", _behaviours),
+    "relations": NameKind("`story.relations` between people", _relations),
     "instruments": NameKind("`instrument:` of voices, by family", _instruments),
     "drums": NameKind("`drum:` of voices", _drums),
     "scales": NameKind("`scale:` of the sound, after a root as in `C minor`", _scales),

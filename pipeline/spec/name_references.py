@@ -20,12 +20,14 @@ from pipeline.spec.partial_scene import (
     cast_by_name,
     items_of,
     items_or_itself,
+    located_instructions,
     named_cast,
     text_keys,
     unknown_name,
     value_at,
 )
 from pipeline.spec.sound_thresholds import Detect
+from pipeline.spec.story_checks import faults_of_story
 from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import ANYTHING, faults_of_target
 from render.config import MATERIALS
@@ -49,6 +51,7 @@ def faults_of_references(scene: object) -> list[Fault]:
         _lamp_parents,
         _parents_and_followers,
         faults_of_script,
+        faults_of_story,
         _behaviour_targets,
         _moods,
         _look_targets,
@@ -200,13 +203,13 @@ def _moods(scene: object) -> Iterator[Fault]:
     mixes: list[tuple[Path, Any]] = [
         (("cast", i, "mood"), value_at(member, "mood")) for i, member in _members(scene)
     ]
-    for i, instruction in items_of(value_at(scene, "script")):
-        mixes.append((("script", i, "do", "mood"), value_at(value_at(instruction, "do"), "mood")))
-    for path, mix in mixes:
+    for path, instruction in located_instructions(scene):
+        mixes.append(((*path, "do", "mood"), value_at(value_at(instruction, "do"), "mood")))
+    for place, mix in mixes:
         for name in [mix] if isinstance(mix, str) else sorted(text_keys(mix)):
             if name not in own and name not in MOODS:
                 close = hint(name, MOODS, "moods", own)
-                yield Fault(path, f"no mood is called '{name}', {close}")
+                yield Fault(place, f"no mood is called '{name}', {close}")
 
 
 def _look_targets(scene: object) -> Iterator[Fault]:

@@ -16,13 +16,15 @@ from pipeline.spec.model_base import Fault
 from pipeline.spec.partial_scene import (
     Path,
     cast_by_name,
-    given_keys,
     items_of,
     kind_of,
+    located_instructions,
     text_keys,
     unknown_name,
     value_at,
 )
+from pipeline.spec.relations import people_with_minds
+from pipeline.spec.script import When
 from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import (
     EVENT_MEMBER,
@@ -48,6 +50,9 @@ from pipeline.spec.verbs import (
     verbs_of,
 )
 
+NEAR_DISTANCE = When.model_fields["within"].default
+"""Distance that counts as near if an author gives none [m]."""
+
 HAND_ORDERS = ("reach", "grab", "carry", "throw", "let_go")
 """Orders to hands, which creatures have poses for."""
 
@@ -60,11 +65,13 @@ class NamedThings:
         cast: members by name, bodies of `many` by their own names as well.
         places: places of the scene by name.
         dances: names of dances.
+        minds: names of the people that act by themselves.
     """
 
     cast: Cast
     places: Cast
     dances: Collection[str]
+    minds: Collection[str] = ()
 
     @staticmethod
     def of(scene: object) -> NamedThings:
@@ -81,15 +88,15 @@ class NamedThings:
             bodies | cast,
             places if isinstance(places, Mapping) else {},
             text_keys(value_at(scene, "dances")),
+            people_with_minds(scene),
         )
 
 
 def faults_of_script(scene: object) -> Iterator[Fault]:
     """Find orders to performers that do not exist or cannot follow them."""
     named = NamedThings.of(scene)
-    for i, instruction in items_of(value_at(scene, "script")):
-        path = ("script", i)
-        yield from _faults_of_event(value_at(instruction, "when"), (*path, "when"), named)
+    for path, instruction in located_instructions(scene):
+        yield from faults_of_event(value_at(instruction, "when"), (*path, "when"), named)
         name, do = value_at(instruction, "who"), value_at(instruction, "do")
         if isinstance(name, str) and name not in named.cast:
             yield unknown_name(name, named.cast, (*path, "who"))
@@ -164,7 +171,7 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
     if key in ("hop_over", "jump") and value_at(member, "pose"):
         yield Fault(order, f"'{name}' has a pose, which conflicts with jumps; remove pose")
     if key == "urge":
-        yield from _faults_of_urges(name, member, do, order)
+        yield from _faults_of_urges(name, do, order, named)
     if key == "grab":
         yield from _faults_of_part(do, order, named.cast)
     if performer == DANCER or key == "dance":
@@ -212,12 +219,12 @@ def _faults_of_scale(target: str, path: Path, cast: Cast) -> Iterator[Fault]:
         yield Fault(path, f"{message}; remove scale there")
 
 
-def _faults_of_urges(name: str, member: object, do: object, path: Path) -> Iterator[Fault]:
+def _faults_of_urges(name: str, do: object, path: Path, named: NamedThings) -> Iterator[Fault]:
     """Find urges of a character without behaviours, and urges of unknown behaviours."""
     urges = value_at(do, "urge")
     if not isinstance(urges, Mapping):
         return
-    if not value_at(member, "behaviours") and value_at(member, "traits") is None:
+    if name not in named.minds:
         message = f"'{name}' does only what it is told; give it traits: {{}} to act by itself"
         yield Fault((*path, "urge"), message, at_key=True)
     for key in urges:
@@ -253,7 +260,7 @@ def _faults_of_dancer(
 # --- events -----------------------------------------------------------------------------
 
 
-def _faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[Fault]:
+def faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[Fault]:
     """Find events that never happen."""
     arrived = value_at(when, "arrived")
     if isinstance(arrived, str):
@@ -272,7 +279,9 @@ def _faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[F
                 )
     for key in ("fell", "at_rest"):
         yield from faults_of_target(value_at(when, key), "", EVENT_MEMBER, (*path, key), named.cast)
-    if given_keys(when) and "within" in given_keys(when) and value_at(when, "near") is None:
+    # A scene that is written in full has the default beside other events.
+    is_given = value_at(when, "within") not in (None, NEAR_DISTANCE)
+    if is_given and value_at(when, "near") is None:
         yield Fault((*path, "within"), "belongs to near; remove this", at_key=True)
     yield from _faults_of_hug(value_at(when, "hug"), (*path, "hug"), named.cast)
     yield from _faults_of_failure(when, path, named.cast)

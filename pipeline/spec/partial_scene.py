@@ -52,6 +52,19 @@ def items_or_itself(block: object) -> Iterator[tuple[Path, Any]]:
         yield (), block
 
 
+def located_instructions(scene: object) -> Iterator[tuple[Path, Any]]:
+    """Yield the instructions of the script and of the beats of the story, with their paths."""
+    for i, instruction in items_of(value_at(scene, "script")):
+        yield ("script", i), instruction
+    for b, beat in items_of(value_at(value_at(scene, "story"), "beats")):
+        path: Path = ("story", "beats", b)
+        for k, instruction in items_of(value_at(beat, "do")):
+            yield (*path, "do", k), instruction
+        for c, choice in items_of(value_at(beat, "choices")):
+            for k, instruction in items_of(value_at(choice, "do")):
+                yield (*path, "choices", c, "do", k), instruction
+
+
 def named_cast(scene: object) -> list[tuple[str, Any]]:
     """Return the names and members of the cast, in order; a wrong file may repeat a name."""
     members = [member for _, member in items_of(value_at(scene, "cast"))]

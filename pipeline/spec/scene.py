@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
 from pipeline.spec.cast import Member
+from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.dance import Dance
 from pipeline.spec.dancer import Dancer, faults_of_beats, with_score_times
@@ -25,9 +26,11 @@ from pipeline.spec.model_base import (
 )
 from pipeline.spec.mood import MOODS, Mood
 from pipeline.spec.name_references import faults_of_references
-from pipeline.spec.partial_scene import member_names
+from pipeline.spec.partial_scene import Path, located_instructions, member_names
+from pipeline.spec.relations import with_behaviours
 from pipeline.spec.script import Instruction
 from pipeline.spec.sound_thresholds import SceneSound
+from pipeline.spec.story import Story
 from pipeline.spec.terrain import Terrain
 from pipeline.spec.terrain.kinds import FlatTerrain
 from pipeline.spec.timing import (
@@ -134,6 +137,9 @@ class Scene(ConfigModel):
     script: Annotated[tuple[Instruction, ...], Field(max_length=MAX_INSTRUCTIONS)] = Field(
         (), description="Orders to performers, and when they are given."
     )
+    story: Story | None = Field(
+        None, description="Relations, goals and beats, of which the scene makes a story by itself."
+    )
     materials: dict[Name, Material] = Field({}, description="The author's own materials, by name.")
     camera: Cuts = Field((Camera(),), description="One camera, or a list of cuts.")
     light: Light = Field(Light(), description="Lights of the scene.")
@@ -160,7 +166,7 @@ class Scene(ConfigModel):
         timing = faults_of_timing(given)
         last = None if timing else self.n_frames
         golden = faults_of_golden(self.golden, given, last)
-        beats = faults_of_beats(self.cast, self.sound, self.script)
+        beats = faults_of_beats(self.cast, self.sound, self.instructions)
         raise_faults([*timing, *faults_of_references(self), *beats, *golden])
         return self
 
@@ -173,6 +179,21 @@ class Scene(ConfigModel):
         """Return this scene, made of a tree, with the locations of its values."""
         self._source_map = SourceMap(tree)
         return self
+
+    @property
+    def instructions(self) -> list[tuple[Path, Instruction]]:
+        """Instructions of its script and of the beats of its story, with their paths."""
+        return list(located_instructions(self))
+
+    @property
+    def characters(self) -> list[Character]:
+        """Its characters, with what relations and goals of the story make them do."""
+        story = self.story or Story()
+        return [
+            with_behaviours(member, story.behaviours_of(member.name))
+            for member in self.cast
+            if isinstance(member, Character)
+        ]
 
     @property
     def creatures(self) -> list[tuple[int, Creature]]:

@@ -30,13 +30,24 @@ MIN_PART_LENGTH = 3
 """Shorter names are not looked for inside others [characters]."""
 
 
+SYNONYMS: Mapping[str, str] = {
+    **dict.fromkeys(("performers", "performer", "actors", "members"), "cast"),
+    **dict.fromkeys(("ground", "landscape"), "terrain"),
+    **dict.fromkeys(("instructions", "orders"), "script"),
+    "length": "duration",
+}
+"""Other words for keys of a scene, which are spelt otherwise."""
+
+
 def close_names(name: str, known: Iterable[str]) -> list[str]:
     """Return the known names close to `name`, the most similar first; case does not matter.
 
-    Close are the names in which a word begins like `name`, as in all pianos of the instruments
-    for "piano"; where there are none, the names that are spelt alike.
+    Close are the name of which it is a synonym; where there is none, those in which a word begins
+    like `name`, as in all pianos of the instruments for "piano"; else those that are spelt alike.
     """
     wanted, names = _folded(name), sorted(known)[:MAX_COMPARED]
+    if SYNONYMS.get(wanted) in names and wanted not in names:
+        return [SYNONYMS[wanted]]
     matcher = SequenceMatcher(b=wanted)
     similarity = dict.fromkeys(names, 0.0)
     for other in names:

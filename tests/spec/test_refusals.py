@@ -43,7 +43,7 @@ ONE_MISTAKE = [
     ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
     ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, dances, "
      "duration, figures, film, fps, frames, golden, light, materials, moods, places, pronk, "
-     "rows_per_frame, script, seed, sound, steps, terrain, title, titles"),
+     "rows_per_frame, script, seed, sound, steps, story, terrain, title, titles"),
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
@@ -70,7 +70,7 @@ ONE_MISTAKE = [
     ("terrain: hills", "§<<: {duration: 3}", "<<",
      "unknown key, known: camera, cast, dances, duration, figures, film, fps, frames, golden, "
      "light, materials, moods, places, pronk, rows_per_frame, script, seed, sound, steps, "
-     "terrain, title, titles"),
+     "story, terrain, title, titles"),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",
@@ -480,6 +480,12 @@ def test_the_rest_of_a_file_with_misspelt_keys_is_checked_in_the_same_round() ->
         "terrain: {kind: stones, gap: 0.05, diameter: 0.1}\n"
     )
     assert [p.path for p in both] == ["terrain.gap", "terrain.diameter"]
+
+
+def test_another_word_for_a_key_is_one_problem() -> None:
+    (problem,) = problems_in("pronk: 1\nduration: 1\nperformers: [{figure: beetle, walk: {}}]\n")
+    assert (problem.line, problem.path) == (3, "performers")
+    assert problem.message == "unknown key, did you mean 'cast'?"
 
 
 def test_of_many_problems_the_first_of_the_file_are_shown() -> None:

@@ -37,8 +37,18 @@ Params = Mapping[str, Any]
 Notify = Callable[[Notification], None]
 
 
+def without_beats(scene: Scene) -> Scene:
+    """Return a scene whose story keeps its relations and goals alone: another program directs."""
+    if scene.story is None or not scene.story.beats:
+        return scene
+    story = scene.story.model_copy(update={"beats": (), "tension": ()})
+    return scene.model_copy(update={"story": story})
+
+
 class Session:
     """A scene while it is directed.
+
+    The beats of its story are not played: another program directs.
 
     Attributes:
         recorded: files of the scene, once it has ended.
@@ -46,7 +56,7 @@ class Session:
     """
 
     def __init__(self, scene: Scene, recorder: SceneRecorder) -> None:
-        self.scene = scene
+        self.scene = scene = without_beats(scene)
         self.simulation = Simulation(scene, directed=True)
         self.recorded: RecordedScene | None = None
         self.notify: Notify = lambda event: None

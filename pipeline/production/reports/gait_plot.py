@@ -138,7 +138,9 @@ def creature_stances(scene: Scene, name: str, take: Take) -> CreatureStances:
     phase = np.unwrap(take.values[:, names.index(f"{name}.gait_phase")], period=1.0)
     planned = [_seconds(np.reshape(leg.stances, (-1, 2)), phase, times) for leg in legs]
     changes = [
-        entry.do for entry in scene.script if entry.who == name and isinstance(entry.do, ChangeGait)
+        entry.do
+        for _, entry in scene.instructions
+        if entry.who == name and isinstance(entry.do, ChangeGait)
     ]
     return CreatureStances(
         name,

@@ -68,7 +68,7 @@ def plot_mind(order: Order, reporter: Reporter) -> tuple[Path, Path]:
     Raises:
         PronkError: no character has a mind, or something cannot be made.
     """
-    if not any(isinstance(member, Character) and member.has_mind for member in order.scene.cast):
+    if not any(member.has_mind for member in order.scene.characters):
         message = "nobody in the scene has a mind; give a child or an adult traits: {}"
         raise UsageError(message)
     with working(order, reporter) as run:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from pipeline.errors import Problem, PronkError
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.take import Take, TakeNote
+from pipeline.simulation.take import BeatRecord, Take, TakeNote
 from pipeline.spec import Scene
 from pipeline.spec.yaml_tree import MappingNode, ScalarNode
 from pipeline.terminal_text import escaped_line
@@ -124,8 +124,22 @@ ORDER_TEXTS = {
 }
 """Texts of notes on orders, by their outcome; other outcomes leave no note."""
 
-ADVISORY = ("order_cut_off",)
-"""Kinds of notes that `--strict` allows: a film may end while somebody walks on."""
+BEAT_TEXTS = {
+    "played": "the beat begins{choice}: {reason}; it ends {after}, {ending}",
+    "cut off": "the beat begins{choice}: {reason}; the film ends before it",
+    "never played": "the beat is never played: {reason}",
+    "reached": "the goal is reached: {reason}",
+    "never reached": "the goal is never reached: {reason}",
+}
+"""Texts of notes on beats and goals of the story, by their outcome."""
+
+STORY_KINDS = tuple(f"story_{outcome.replace(' ', '_')}" for outcome in BEAT_TEXTS)
+
+CUT_OFF = "order_cut_off"
+
+ADVISORY = (CUT_OFF, *STORY_KINDS)
+"""Kinds of notes that `--strict` allows: a film may end while somebody walks on, and a story has
+beats that a seed leaves out."""
 
 
 def take_notes(take: Take, clock: Clock) -> list[Note]:
@@ -136,7 +150,22 @@ def take_notes(take: Take, clock: Clock) -> list[Note]:
             text = ORDER_TEXTS[order.outcome].format(text=order.text, reason=order.reason)
             kind = f"order_{order.outcome.replace(' ', '_')}"
             found.append((kind, order.end, order.who, text))
+    found += [
+        (f"story_{beat.outcome.replace(' ', '_')}", beat.step, beat.name, _beat_text(beat, clock))
+        for beat in take.beats
+    ]
     return [_simulated(clock, *fields) for fields in sorted(found, key=lambda note: note[1])]
+
+
+def _beat_text(beat: BeatRecord, clock: Clock) -> str:
+    """Return what became of a beat, and why."""
+    seconds = float(clock.time_of(beat.end) - clock.time_of(beat.step))
+    return BEAT_TEXTS[beat.outcome].format(
+        choice=f" by {beat.choice}" if beat.choice else "",
+        reason=beat.reason,
+        after=f"after {seconds:.1f} s",
+        ending=beat.ending,
+    )
 
 
 def foreseen_notes(notes: Iterable[TakeNote], clock: Clock) -> list[Note]:
@@ -190,8 +219,8 @@ def _groups(notes: Iterable[Note]) -> Iterator[list[Note]]:
     """
     groups: dict[tuple[str, str, str], list[Note]] = {}
     for note in notes:
-        text = "" if note.kind in ADVISORY else NUMBER.sub("#", note.text)
-        text = note.text if note.kind == "missed_key" else text
+        text = "" if note.kind == CUT_OFF else NUMBER.sub("#", note.text)
+        text = note.text if note.kind in ("missed_key", *STORY_KINDS) else text
         groups.setdefault((note.source, note.kind, text), []).append(note)
     yield from groups.values()
 
@@ -207,8 +236,11 @@ def _line(group: Sequence[Note]) -> str:
     moments = len({note.seconds for note in group})
     when = f"at {first.seconds:.1f} s" if moments == 1 else f"from {first.seconds:.1f} s on"
     times = f", {len(group)} times" if len(group) > len(subjects) else ""
-    # Texts on orders and on pictures are sentences of their own.
-    is_sentence = first.kind.startswith("order_") or first.source in ("camera", "picture")
+    # Texts on orders, beats and pictures are sentences of their own.
+    is_sentence = first.kind.startswith(("order_", "story_")) or first.source in (
+        "camera",
+        "picture",
+    )
     verb = "" if is_sentence else f" {first.kind.replace('_', ' ')}"
     others = len({note.text for note in group}) - 1
     text = f"{first.text}, and {others} like it" if others else first.text

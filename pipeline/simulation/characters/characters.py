@@ -143,7 +143,7 @@ class Characters(Troupe):
         dt = self.world.clock.dt
         return MindScheduler(
             *(self.cast, self.dispatcher, self.persons, surroundings),
-            *(self.world.seed, dt, dt / self.count),
+            *(self.world.seed, dt, dt / self.count, self.world.attitudes),
         )
 
     def _start_persons(self) -> Records:
@@ -292,6 +292,10 @@ class Characters(Troupe):
             rows.values[:] = self._values
             self._values.clear()
         self._rows.clear()
+
+    def feelings(self) -> Mapping[str, Mapping[str, float]]:
+        """Return what people with minds feel now, by name and feeling."""
+        return self.minds.feelings() if self.minds is not None else {}
 
     def facts(self) -> Facts:
         """Return the facts of the last step."""

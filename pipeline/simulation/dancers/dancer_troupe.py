@@ -54,8 +54,9 @@ class DancerTroupe(Troupe):
         for k, (i, member) in enumerate(cast):
             own = partial(_to_dancer_frame, self.R_WB[k], self.p_WB[k])
             proportions, path = dancer_proportions(member), f"cast[{i}]"
+            orders = [(p, order.do) for p, order in world.instructions if order.who == member.name]
             repertoire = build_repertoire(
-                member, proportions, dances, world.script, world.directed, world.places, own, path
+                member, proportions, dances, orders, world.directed, world.places, own, path
             )
             until = float(clock.time_of(clock.last_step))
             programme = DanceSchedule(member, repertoire, until, path)

@@ -26,7 +26,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
 from pipeline.spec.dancer import Dancer
 from pipeline.spec.model_base import Target
-from pipeline.spec.script import Do, Instruction, Perform, Reach
+from pipeline.spec.script import Do, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}
 """Sides of the hands by their names in scripts."""
@@ -59,7 +59,7 @@ def build_repertoire(
     member: Dancer,
     person: Proportions,
     dances: Mapping[str, Dance],
-    script: Sequence[Instruction],
+    orders: Sequence[tuple[str, Do]],
     directed: bool,
     places: Mapping[str, Array],
     own: Callable[[Place], Place],
@@ -71,7 +71,7 @@ def build_repertoire(
         member: the dancer in the scene.
         person: proportions of the person.
         dances: dances of the scene by name.
-        script: script of the scene.
+        orders: to the dancer by the scene, with the paths of their instructions.
         directed: whether instructions may come from outside.
         places: named places (3,) of the scene [m].
         own: converts a world position to the dancer's frame [m].
@@ -80,8 +80,7 @@ def build_repertoire(
     Raises:
         SceneError: A place cannot be reached, or two dances have different drums of one name.
     """
-    orders = {i: order.do for i, order in enumerate(script) if order.who == member.name}
-    known = _known(member, dances, orders.values(), bool(orders) or directed)
+    known = _known(member, dances, (do for _, do in orders), bool(orders) or directed)
     drums = _drums(known)
     parts, first = list[PlacedSubtask](), dict[str, int]()
     for name, dance in known.items():
@@ -120,13 +119,13 @@ def _known(
     return {name: dances[name] for name in dict.fromkeys([member.dance, *others])}
 
 
-def _reaches(orders: Mapping[int, Do]) -> dict[tuple[Target, Hand], str]:
+def _reaches(orders: Iterable[tuple[str, Do]]) -> dict[tuple[Target, Hand], str]:
     """Returns the places that instructions reach for, with the path of the first one."""
     found = dict[tuple[Target, Hand], str]()
-    for i, do in orders.items():
+    for path, do in orders:
         if isinstance(do, Reach):
             for side in SIDES[do.hand]:
-                found.setdefault((do.reach, side), f"script[{i}].do.reach")
+                found.setdefault((do.reach, side), f"{path}.do.reach")
     return found
 
 

@@ -282,12 +282,12 @@ class WalkerTroupe(Troupe):
         stride, speed = herd.stride.copy(), herd.stride / herd.cycle
         top = np.array([pace.hurried_speed for pace in herd.paces])
         hurries, speedup = np.zeros(len(speed), dtype=bool), np.ones(len(speed))
-        for i, instruction in enumerate(self.world.script):
+        for path, instruction in self.world.instructions:
             if instruction.who not in herd.names:
                 continue
             c, do = herd.names.index(instruction.who), instruction.do
             if isinstance(do, ChangeGait):
-                pace = moods.neutral_pace(c, do, f"script[{i}].do")
+                pace = moods.neutral_pace(c, do, f"{path}.do")
                 stride[c] = max(stride[c], pace.stride)
                 speed[c] = max(speed[c], pace.speed)
                 top[c] = max(top[c], pace.hurried_speed)

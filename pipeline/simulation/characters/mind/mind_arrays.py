@@ -49,6 +49,7 @@ class MindArrays(NamedTuple):
         in_view: (M, C) whether each is in view.
         distances: (M, C) over the ground to the remembered places [m].
         interest: (M, C) natural interest in each.
+        lasting_fears: (M, C) to which fears fall in time, such as of a foe.
         fears: (M, C) how much each frightens, from 0 to 1, such as after a blow.
         salience: (M, C) how interesting each is.
         valence: (M, C) how good each is, from -1 to 1.
@@ -64,6 +65,7 @@ class MindArrays(NamedTuple):
     in_view: NDArray[np.bool_]
     distances: Array
     interest: Array
+    lasting_fears: Array
     fears: Array
     salience: Array
     valence: Array
@@ -91,6 +93,7 @@ def mind_arrays(places: Array, interest: Array, valence: Array) -> MindArrays:
         in_view=np.ones(shape, dtype=bool),
         distances=np.zeros(shape),
         interest=interest,
+        lasting_fears=np.zeros(shape),
         fears=np.zeros(shape),
         salience=np.zeros(shape),
         valence=np.broadcast_to(valence, shape).copy(),

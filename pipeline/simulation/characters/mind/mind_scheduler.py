@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
 from pipeline.spec.character import Character
 from pipeline.spec.expression import EMOTIONS
+from pipeline.spec.relations import Attitudes
 from pipeline.spec.script import SetUrges
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]
@@ -60,6 +62,7 @@ class MindScheduler:
         seed: of the scene.
         dt: a step [s].
         sub_step: [s].
+        attitudes: of people towards others, by the relations of the story.
 
     Attributes:
         voices: of the last step.
@@ -75,6 +78,7 @@ class MindScheduler:
         seed: int,
         dt: float,
         sub_step: float,
+        attitudes: Attitudes = MappingProxyType({}),
     ) -> None:
         self.voices: list[Voice] = []
         self._dispatcher, self._surroundings, self._persons = dispatcher, surroundings, persons
@@ -86,6 +90,7 @@ class MindScheduler:
         minded = [members[k] for k in self._indices]
         configs = [member.behaviours or _default_behaviours(member, cast) for member in minded]
         self._arrays = _arrays_of(minded, configs, self._indices, dispatcher, surroundings)
+        _feel_attitudes(self._arrays, minded, surroundings, attitudes)
         self.minds = [
             Mind(
                 dispatcher.controllers[k],
@@ -139,6 +144,16 @@ class MindScheduler:
         focus, looked_at = mind.attention.focus, mind.glances.at
         behaviour = behaviour_number(mind.doing)
         return mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour
+
+    def feelings(self) -> dict[str, dict[str, float]]:
+        """Return what each mind feels now, by the names of `Feeling`."""
+        return {
+            mind.controller.name: {
+                **dict(zip(EMOTIONS, mind.emotions(), strict=True)),
+                "anxiety": mind.anxiety,
+            }
+            for mind in self.minds
+        }
 
     def read(self, orders: Orders) -> None:
         """Accept the urges that the script sets."""
@@ -317,6 +332,23 @@ def _arrays_of(
             offset = surroundings.places[mind.caregiver] - surroundings.places[mind.owner]
             mind.caregiver_distance = math.hypot(offset[0], offset[2])
     return arrays
+
+
+def _feel_attitudes(
+    arrays: MindArrays,
+    members: Sequence[Character],
+    surroundings: Surroundings,
+    attitudes: Attitudes,
+) -> None:
+    """Let minds, those of `members`, feel what relations make them feel towards others."""
+    numbers = {member.name: n for n, member in enumerate(members)}
+    for (who, other), several in attitudes.items():
+        if who not in numbers:
+            continue
+        n, c = numbers[who], surroundings.view.number(other)
+        fear = max(attitude.fear for attitude in several)
+        arrays.lasting_fears[n, c] = arrays.fears[n, c] = fear
+        arrays.interest[n, c] += max(attitude.interest for attitude in several)
 
 
 def _default_behaviours(member: Character, cast: Sequence[Character]) -> list[Urge]:

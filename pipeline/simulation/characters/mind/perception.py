@@ -193,7 +193,8 @@ def notice(
         _see(arrays, n, persons[mind.person].gaze[0], places, velocities, radius)
         fear_kept = math.exp(-EMOTION.fear_decay * dt)
         for c in range(len(places)):
-            arrays.fears[n, c] *= fear_kept
+            lasting = arrays.lasting_fears[n, c]
+            arrays.fears[n, c] = lasting + (arrays.fears[n, c] - lasting) * fear_kept
         _feel(mind, arrays.distances[n], places, dt)
         _appraise(arrays, n, valence)
 

@@ -54,7 +54,7 @@ class InchwormTroupe(Troupe):
     def __init__(
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
-        _refuse_direction(cast, world.script)
+        _refuse_direction(cast, world.instructions)
         self.world = world
         self.worms = [
             _build_inchworm(number, member, figure, world) for number, member, figure in cast
@@ -203,7 +203,7 @@ class InchwormTroupe(Troupe):
 
 
 def _refuse_direction(
-    cast: Sequence[tuple[int, Creature, Figure]], script: Sequence[Instruction]
+    cast: Sequence[tuple[int, Creature, Figure]], instructions: Sequence[tuple[str, Instruction]]
 ) -> None:
     """Refuse instructions to inchworms, and their `look_at`.
 
@@ -212,8 +212,8 @@ def _refuse_direction(
     """
     names = {member.name for _, member, _ in cast}
     problems = [
-        _undirected(instruction, f"script[{i}]")
-        for i, instruction in enumerate(script)
+        _undirected(instruction, path)
+        for path, instruction in instructions
         if instruction.who in names
     ]
     problems += [

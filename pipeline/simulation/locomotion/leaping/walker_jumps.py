@@ -154,9 +154,9 @@ class WalkerJumps:
         self._recorder = HopEventRecorder(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
         problems = list[Problem]()
-        for i, instruction in enumerate(world.script):
+        for path, instruction in world.instructions:
             try:
-                self.prepare(instruction, f"script[{i}]")
+                self.prepare(instruction, path)
             except SceneError as error:
                 problems += error.problems
         if problems:

@@ -67,8 +67,8 @@ class HopperTroupe(Troupe):
         configs = [member.pronk or Pronk() for _, member, _ in cast]
         self.hoppers = build_hoppers(herd, [number for number, _, _ in cast], configs)
         above = [float(m.at[1]) if len(m.at) == 3 else None for _, m, _ in cast]
-        for i, instruction in enumerate(world.script):
-            self.prepare(instruction, f"script[{i}]")
+        for path, instruction in world.instructions:
+            self.prepare(instruction, path)
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
         self.poser = HopperPoser(
             herd, world.ground, free_joints, table, shortest_reaches(herd), row_dt

@@ -41,6 +41,13 @@ LOCK_LENGTH = 3.0
 """Length of the hair of manes, brushes and tails, in that of the back of a short coat."""
 
 
+EAR_HAIR, EAR_TUFT = 0.42, 0.9
+"""Length of the hair on the back of an ear, and of that of its rim near the root, in that of the
+back."""
+
+EAR_LIFT = np.radians(14.0)
+"""How far the hair of an ear stands off [rad]."""
+
 FEATURE_REACH = 0.7
 """Length of the hair beside eyes, nostrils and mouth, in its distance from them: it hides none."""
 
@@ -113,6 +120,23 @@ class HairLay:
         return combed(
             -UP - back * way, vertex_normals(solid.vertices, solid.faces), length, np.radians(8.0)
         )
+
+    def ear(self, solid: Solid, inner: Array) -> Array | None:
+        """Return the hair (V, 3) of an ear, whose inner side is bare but for its rim [m].
+
+        Args:
+            solid: the ear as the figure stands.
+            inner: (V,) share of its inner side.
+        """
+        if self.length == 0.0:
+            return None
+        root, tip = solid.vertices[[-2, -1]]
+        way = tip - root
+        along = np.clip(((solid.vertices - root) @ way) / float(way @ way), 0.0, 1.0)
+        length = self.length * np.interp(along, [0.0, 0.5, 1.0], [EAR_TUFT, EAR_HAIR, EAR_HAIR])
+        length *= 1.0 - smoothstep(inner / 0.8)
+        flow = np.broadcast_to(way, solid.vertices.shape)
+        return combed(flow, vertex_normals(solid.vertices, solid.faces), length, EAR_LIFT)
 
     @staticmethod
     def _trunk_flow(normals: Array) -> Array:

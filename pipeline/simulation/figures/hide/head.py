@@ -16,7 +16,7 @@ from pipeline.simulation.figures.hide.stance import Chain, segment_distance, smo
 from pipeline.simulation.spatial import UP, Array, cross, normalized
 from pipeline.spec.skin import Skin as SkinConfig
 
-SOCKET, SOCKET_DEPTH = 1.20, 0.42
+SOCKET, SOCKET_DEPTH = 1.16, 0.36
 """Radius of the lids, and depth of their middle below that of the eye, in the eye's radius."""
 
 RAY_STEPS = 121
@@ -24,6 +24,10 @@ RAY_STEPS = 121
 
 MOUTH_SIDE, MOUTH_FRONT = 7, 4
 """Points of the mouth line along a side, and round the front of one."""
+
+NOSE_WAY, NOSE_SUNK = (1.0, 0.05, 0.0), 0.35
+"""Direction along and up in which a bare nose is set on the muzzle, and the depth of its middle in
+the skin, in its length."""
 
 FRONT = 0.92
 """Place along a head from which the mouth line goes round its front."""
@@ -34,7 +38,10 @@ SMILE = 0.16
 LIPS = 0.10
 """Width of the dark lips on either side of the mouth line, in the radius of the muzzle."""
 
-HEAD_BLEND = 0.34
+SHADOW = 0.45
+"""Share of the colour of the lids on the skull around them."""
+
+HEAD_BLEND = 0.30
 """Width of the union of a head's lumps, in their radius."""
 
 
@@ -109,15 +116,31 @@ class Head:
             if self.skull.lids:
                 at = self.eye(side) - SOCKET_DEPTH * size * self.way(self.skull.look, side)
                 yield ball(at, (SOCKET * size,) * 3, self.skull.lids * size * 2.0)
-        if self.skull.nose is not None:
-            place, extent, _ = self.skull.nose
-            r = self.radius(place[0])
-            yield ball(self.place(place), [r * v for v in extent], 0.25 * r, self.axes)
+        if self.nose is not None:
+            extent = self.nose_extent
+            yield ball(self.nose, extent.tolist(), 0.6 * float(extent.min()), self.axes)
         for hole, extent in self.skull.holes:
             r = self.radius(hole[0])
             for side in (1.0, -1.0):
                 sizes = [r * value for value in extent]
                 yield ball(self.place(hole, side), sizes, 0.12 * r, self.axes, carved=True)
+
+    @cached_property
+    def nose(self) -> Array | None:
+        """The middle (3,) of a bare nose, which lies in the skin [m]; None without one."""
+        if self.skull.nose is None:
+            return None
+        at = self.place(self.skull.nose[0])
+        way = self.way(NOSE_WAY)
+        hit = self._surface(list(self._bones()), at, way, NOSE_SUNK * float(self.nose_extent[0]))
+        return at if hit is None else hit
+
+    @property
+    def nose_extent(self) -> Array:
+        """Radii (3,) of a bare nose along, up and to the side [m]."""
+        assert self.skull.nose is not None
+        place, extent, _ = self.skull.nose
+        return self.radius(place[0]) * np.array(extent)
 
     @property
     def eye_radius(self) -> float:
@@ -144,6 +167,11 @@ class Head:
         line = start + steps[:, None] * way
         inside = np.flatnonzero(union_distance(lumps, line) < -depth)
         return line[inside[-1]] if len(inside) else None
+
+    def on_skin(self, place: Array) -> Array:
+        """Return the place (3,) on the skin straight ahead or behind one near it [m]."""
+        hit = self._surface(list(self._bones()), place, self.axes[0], 0.0)
+        return place if hit is None else hit
 
     @cached_property
     def mouth(self) -> Array | None:
@@ -197,14 +225,12 @@ class Head:
                 off = np.sqrt((away * away).sum(axis=-1))
                 lay(paint, "#120a08", smoothstep((1.35 - off) / 0.35))
         if self.skull.nose is not None:
-            at, radii, color = self.skull.nose
-            away = ((places - self.place(at)) @ self.axes.T) / (
-                self.radius(at[0]) * np.array(radii)
-            )
+            color = self.skull.nose[2]
+            away = ((places - self.nose) @ self.axes.T) / self.nose_extent
             lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
         for side in (1.0, -1.0):
             off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
-            lay(paint, self.skull.lid_color, 0.92 * smoothstep((1.22 - off) / 0.25))
+            lay(paint, self.skull.lid_color, SHADOW * smoothstep((1.30 - off) / 0.35))
         return paint
 
 

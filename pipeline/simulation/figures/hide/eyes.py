@@ -38,8 +38,8 @@ SCLERA = "#1e1611"
 """Colour of the visible part of an eye around its iris: animals show no white."""
 
 GLOW_SHARE, GLOW_SIZE = 0.55, 1.6
-"""Share at the lower edge of the iris of the light that its cornea gathers there, and its brightness
-in that of the iris: an eye without it looks like a button."""
+"""Share at the lower edge of the iris of the light that its cornea gathers there, and how bright it
+is, in the iris: an eye without it looks like a button."""
 
 CATCHLIGHT_DEG, CATCHLIGHT_SIZE = 27.0, 0.15
 """Angle of the reflection of the sky [degrees], and its radius in the eye's.

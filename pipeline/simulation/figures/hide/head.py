@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,7 +74,12 @@ class Head:
         size = config.head_size
         radii = (size * float(chain.radii[-2]), size * float(chain.radii[-1]))
         length = size * float(chain.lengths[-1])
-        return Head(skull, chain.points[-2], axes, length, radii, config.eye_size)
+        own = replace(
+            skull,
+            pupil=config.pupil or skull.pupil,
+            whiskers=skull.whiskers if config.whiskers is None else config.whiskers,
+        )
+        return Head(own, chain.points[-2], axes, length, radii, config.eye_size)
 
     def radius(self, along: float) -> float:
         """Return the drawn radius at a share of the head's length [m]."""

@@ -11,8 +11,8 @@ from pipeline.spec.model_base import ConfigModel, Name, Number, Positive
 Form = Literal["animal", "arthropod", "person", "plain"]
 # fmt: off
 SkullName = Literal[
-    "horse", "deer", "camel", "kangaroo", "dog", "cat", "mouse", "elephant", "frog", "lizard",
-    "bird",
+    "horse", "deer", "giraffe", "camel", "kangaroo", "dog", "cat", "mouse", "elephant", "frog",
+    "lizard", "bird",
 ]
 # fmt: on
 Hair = Literal["none", "hanging", "upright"]

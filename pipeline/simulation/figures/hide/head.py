@@ -229,7 +229,7 @@ class Head:
                 )
                 off = np.sqrt((away * away).sum(axis=-1))
                 lay(paint, "#120a08", smoothstep((1.35 - off) / 0.35))
-        if self.skull.nose is not None:
+        if self.skull.nose is not None and self.nose is not None:
             color = self.skull.nose[2]
             away = ((places - self.nose) @ self.axes.T) / self.nose_extent
             lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))

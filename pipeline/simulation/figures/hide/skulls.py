@@ -9,7 +9,7 @@ to the side is meant twice, left and right.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 Row = tuple[
     tuple[float, float, float], tuple[float, float, float], tuple[float, float], tuple[float, float]
@@ -126,6 +126,15 @@ SKULLS: Mapping[str, Skull] = {
         mouth=(0.74, -0.76, 1.3, -0.72),
     ),
     "deer": _DEER,
+    # No bare nose: nostrils that close to slits, and a long upper lip.
+    "giraffe": replace(
+        _DEER,
+        rows=(*_DEER.rows, ((1.00, -0.20, 0.0), (1.10, -0.40, 0.0), (0.60, 0.60), (0.46, 0.50))),
+        nose=None,
+        holes=(((1.14, 0.30, 0.56), (0.30, 0.12, 0.24)),),
+        lid_opening=45.0,
+        mouth=(0.58, -0.42, 1.2, -0.62),
+    ),
     "camel": Skull(
         rows=(
             ((0.02, 0.05, 0), (0.32, 0.16, 0), (0.84, 0.72), (0.78, 0.80)),
@@ -257,9 +266,11 @@ SKULLS: Mapping[str, Skull] = {
             ((0.20, 0.75, 0.28), (0.30, 0.72, 0.26), (0.42, 0.42), (0.40, 0.40)),
             ((0.20, -0.45, 0), (0.62, -0.72, 0), (0.52, 0.50), (0.36, 0.40)),
             ((0.42, 0.02, 0), (1.0, 0.0, 0), (0.86, 0.74), (1.0, 1.0)),
+            ((0.40, 0.48, 0.62), (0.58, 0.38, 0.60), (0.20, 0.18), (0.16, 0.16)),
+            ((0.34, -0.18, 0.64), (0.66, -0.30, 0.54), (0.28, 0.20), (0.20, 0.18)),
         ),
         eye=(0.50, 0.24, 0.80),
-        eye_size=0.15,
+        eye_size=0.18,
         pupil="round",
         lid_color="#3f3a35",
         iris="#8a5f2a",
@@ -272,7 +283,7 @@ SKULLS: Mapping[str, Skull] = {
         ear_fold=0.10,
         ear_wave=0.06,
         lids=0.35,
-        sunk=0.05,
+        sunk=0.3,
     ),
     "frog": Skull(
         rows=(

@@ -18,7 +18,7 @@ SkullName = Literal[
 Hair = Literal["none", "hanging", "upright"]
 TailName = Literal["plain", "hair", "tassel", "brush", "fan"]
 HornName = Literal["straight", "curved", "lyre", "stub", "tusks"]
-CoatName = Literal["none", "sleek", "short", "long", "shaggy"]
+CoatName = Literal["none", "smooth", "sleek", "short", "long", "shaggy"]
 PupilName = Literal["round", "slit", "bar"]
 ShellName = Literal["plain", "beetle", "ant", "spider", "scorpion", "centipede", "crab"]
 # fmt: off

@@ -28,6 +28,7 @@ from pipeline.simulation.figures.hide.shanks import tail_solid
 from pipeline.simulation.figures.hide.skulls import SKULLS
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.simulation.figures.hide.wing_cases import ShellPlan, wing_case
+from pipeline.simulation.figures.solids import Solid
 from pipeline.spec.figure import Figure as Words
 
 MOST_TRIANGLES = 13_200
@@ -263,9 +264,21 @@ def test_a_figure_chooses_its_whiskers() -> None:
     assert counts[0] < counts[1]
 
 
+@pytest.mark.parametrize(("coat", "has_mane"), [("smooth", True), ("none", False)])
+def test_a_smooth_coat_keeps_the_hair_of_the_mane(coat: str, has_mane: bool) -> None:
+    words = words_of("horse")
+    skin = {"skull": "horse", "mane": "hanging", "coat": coat}
+    hide = AnimalHide(built({**words, "skin": skin}))
+    solid = Solid(hide.stance.chains[0].points, np.array([[0, 1, 2]], dtype=np.uint32))
+    assert hide.hair_lay.hair(solid, [0]) is None
+    limb = next(i for i, each in enumerate(hide.figure.skeleton.limbs) if each.kind == "head")
+    assert (hide.hair_lay.locks(solid, limb) is not None) is has_mane
+
+
 def test_ears_have_hair_on_their_back_alone() -> None:
     figure = built(words_of("dog"))
     hide = AnimalHide(figure)
+    assert hide.head is not None
     limb = next(i for i, each in enumerate(figure.skeleton.limbs) if each.kind == "feeler")
     solid, inner = ear_solid(hide.head, hide.stance.chains[limb], -1.0, figure.skin)
     hair = hide.hair_lay.ear(solid, inner)

@@ -21,12 +21,14 @@ from pipeline.spec.skin import CoatName
 
 COATS: Mapping[CoatName, tuple[float, float]] = {
     "none": (0.0, 0.0),
+    "smooth": (0.0, 0.0),
     "sleek": (0.05, 7.0),
     "short": (0.16, 19.0),
     "long": (0.28, 25.0),
     "shaggy": (0.45, 30.0),
 }
-"""Length of the hair on the back, in the body's radius, and how far it stands off [degrees]."""
+"""Length of the hair on the back, in the body's radius, and how far it stands off [degrees]. Smooth
+coats are drawn by their paint alone, and have the long hair of manes and tails."""
 
 DEFAULT_COATS: Mapping[str, CoatName] = {"hooves": "sleek", "paws": "short", "toes": "shaggy"}
 """By the feet of a figure without a word for its coat; others are sleek."""
@@ -62,6 +64,7 @@ class HairLay:
         coat: of the animal.
         length: of the hair on its back [m].
         lift: of the hair from the hide [rad].
+        is_shorn: whether it has no mane of hair either.
     """
 
     def __init__(self, coat: Coat) -> None:
@@ -71,6 +74,7 @@ class HairLay:
         length, lift = COATS[name]
         self.length = length * figure.skin.coat_length * coat.girth
         self.lift = float(np.radians(lift))
+        self.is_shorn = name == "none"
 
     def hair(self, solid: Solid, limbs: list[int], is_head: bool = False) -> Array | None:
         """Return the hair (V, 3) at the vertices of a surface [m], None for a bare one.
@@ -109,7 +113,7 @@ class HairLay:
 
     def locks(self, solid: Solid, limb: int) -> Array | None:
         """Return the long hair (V, 3) of a mane or of a tail of hair, which hangs down [m]."""
-        if self.length == 0.0:
+        if self.is_shorn:
             return None
         chain = self.coat.stance.chains[limb]
         way = chain.ways[chain.distances(solid.vertices).argmin(axis=0)]

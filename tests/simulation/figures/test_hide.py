@@ -110,7 +110,7 @@ def test_a_surface_goes_to_the_creation_frame_and_back() -> None:
     np.testing.assert_allclose(back, figure.skeleton.links[link].ends, atol=1e-9)
 
 
-def test_forelegs_look_straighter_than_their_bones() -> None:
+def test_forelegs_look_straighter_than_theirbones() -> None:
     figure = built(words_of("horse"))
     stance = Stance(figure)
     assert len(stance.straight_legs) == 2
@@ -213,7 +213,7 @@ def head_of(words: dict[str, object]) -> Head:
 def test_a_bare_nose_lies_in_the_muzzle_and_has_two_nostrils(name: str) -> None:
     head = head_of(words_of(name))
     assert head.nose is not None
-    depth = -float(union_distance(list(head._bones()), head.nose[None])[0])
+    depth = -float(union_distance(list(head.bones()), head.nose[None])[0])
     # Where lumps overlap their union is deeper than it says.
     assert 0.6 * NOSE_SUNK * head.nose_extent[0] < depth < 0.7 * head.nose_extent[0]
     made = nose_solid(head)

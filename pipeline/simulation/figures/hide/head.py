@@ -101,10 +101,11 @@ class Head:
 
     def lumps(self) -> Iterator[Lump]:
         """Yield the skull with its lids, nose and nostrils."""
-        yield from self._bones()
+        yield from self.bones()
         yield from self._features()
 
-    def _bones(self) -> Iterator[Lump]:
+    def bones(self) -> Iterator[Lump]:
+        """Yield the lumps of the skull without lids, nose and nostrils."""
         for a, b, r_a, r_b in self.skull.rows:
             s_a, s_b = self.radius(a[0]), self.radius(b[0])
             for side in (1.0, -1.0) if a[2] or b[2] else (1.0,):
@@ -122,8 +123,8 @@ class Head:
                 at = self.eye(side) - SOCKET_DEPTH * size * self.way(self.skull.look, side)
                 yield ball(at, (SOCKET * size,) * 3, self.skull.lids * size * 2.0)
         if self.nose is not None:
-            extent = self.nose_extent
-            yield ball(self.nose, extent.tolist(), 0.6 * float(extent.min()), self.axes)
+            nose = self.nose_extent
+            yield ball(self.nose, nose.tolist(), 0.6 * float(nose.min()), self.axes)
         for hole, extent in self.skull.holes:
             r = self.radius(hole[0])
             for side in (1.0, -1.0):
@@ -137,7 +138,7 @@ class Head:
             return None
         at = self.place(self.skull.nose[0])
         way = self.way(NOSE_WAY)
-        hit = self._surface(list(self._bones()), at, way, NOSE_SUNK * float(self.nose_extent[0]))
+        hit = self._surface(list(self.bones()), at, way, NOSE_SUNK * float(self.nose_extent[0]))
         return at if hit is None else hit
 
     @property
@@ -158,7 +159,7 @@ class Head:
 
     @cached_property
     def _eyes(self) -> dict[float, Array]:
-        rows = list(self._bones())
+        rows = list(self.bones())
         found = {}
         for side in (1.0, -1.0):
             at, look = self.place(self.skull.eye, side), self.way(self.skull.look, side)
@@ -175,7 +176,7 @@ class Head:
 
     def on_skin(self, place: Array) -> Array:
         """Return the place (3,) on the skin straight ahead or behind one near it [m]."""
-        hit = self._surface(list(self._bones()), place, self.axes[0], 0.0)
+        hit = self._surface(list(self.bones()), place, self.axes[0], 0.0)
         return place if hit is None else hit
 
     @cached_property
@@ -184,7 +185,7 @@ class Head:
         if self.skull.mouth is None:
             return None
         x0, y0, x1, y1 = self.skull.mouth
-        rows = list(self._bones())
+        rows = list(self.bones())
         half = []
         turns = np.linspace(90.0, 0.0, MOUTH_FRONT + 1)[1:]
         rays = [(x, 90.0) for x in np.linspace(x0, FRONT, MOUTH_SIDE)]

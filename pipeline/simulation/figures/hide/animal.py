@@ -441,7 +441,12 @@ class AnimalHide:
         else:
             solid, inner = ear_solid(head, chain, side, self.figure.skin)
             color = next((p.color for p in self.figure.skin.paint if p.where == "ears"), "#7a5548")
-            paint = painted(len(solid.vertices), color, 0.75 * inner)
+            paint = np.zeros((len(solid.vertices), 4))
+            # Their backs have the coat of the face.
+            for layer in self.figure.skin.paint:
+                if layer.where == "face":
+                    lay(paint, layer.color, np.full(len(paint), layer.share))
+            lay(paint, color, 0.75 * inner)
             hair = self.hair_lay.ear(solid, inner)
         patch.skins.append(self.stance.rigid(solid, skull_link, paint, hair))
 

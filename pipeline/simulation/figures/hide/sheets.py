@@ -13,7 +13,7 @@ Paint = Array
 EAR_RINGS, EAR_POINTS, EAR_RIM = 11, 7, 0.75
 """Rings of an ear, points across it, and how much thinner it is at its rim."""
 
-EAR_ROOT = 0.6
+EAR_ROOT = 0.8
 """Width of the root of a leaf-shaped ear, in that which its outline would have there."""
 
 HORN_RINGS, HORN_POINTS = 24, 7

@@ -11,14 +11,15 @@ from pipeline.spec.model_base import ConfigModel, Name, Number, Positive
 Form = Literal["animal", "arthropod", "person", "plain"]
 # fmt: off
 SkullName = Literal[
-    "horse", "deer", "camel", "kangaroo", "dog", "cat", "mouse", "elephant", "frog", "lizard",
-    "bird",
+    "horse", "deer", "giraffe", "camel", "kangaroo", "dog", "cat", "mouse", "elephant", "frog",
+    "lizard", "bird",
 ]
 # fmt: on
 Hair = Literal["none", "hanging", "upright"]
 TailName = Literal["plain", "hair", "tassel", "brush", "fan"]
 HornName = Literal["straight", "curved", "lyre", "stub", "tusks"]
-CoatName = Literal["none", "sleek", "short", "long", "shaggy"]
+CoatName = Literal["none", "smooth", "sleek", "short", "long", "shaggy"]
+PupilName = Literal["round", "slit", "bar"]
 ShellName = Literal["plain", "beetle", "ant", "spider", "scorpion", "centipede", "crab"]
 # fmt: off
 Place = Literal[
@@ -105,6 +106,12 @@ class Skin(ConfigModel):
     ear_width: Extent = Field(1.0, description="Width of the ears, in the usual one.")
     eye_size: Extent = Field(1.0, description="Size of the eyes, in the usual one.")
     iris: SkinColor | None = Field(None, description="Colour of the iris.")
+    pupil: PupilName | None = Field(
+        None, description="Shape of the pupils: round, an upright slit, or a level bar."
+    )
+    whiskers: Annotated[Number, Field(ge=0, le=3)] | None = Field(
+        None, description="Length of the whiskers, in that of the head; 0 for none."
+    )
     lumps: Annotated[tuple[Lump, ...], Field(max_length=64)] = Field(
         (), description="More flesh, at nodes."
     )

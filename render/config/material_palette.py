@@ -60,7 +60,7 @@ CREATURES: dict[str, Row] = {
     "brown skin":     _row("#7d4f35", "#7a4d33", 0.5,  ("pores", 0.1, 0.15),
                            clearcoat=0.12, sheen=0.25, subsurface=1.0),
     "fur":            _row("#8a6542", "#6d4d31", 0.9,  ("fur", 0.32, 0.25), sheen=0.5),
-    "chestnut fur":   _row("#6e3a1c", "#562b14", 0.62, ("fur", 0.32, 0.25),
+    "chestnut fur":   _row("#6e3a1c", "#562b14", 0.62, ("fur", 0.32, 0.10),
                            clearcoat=0.1, sheen=0.3),
     "sand fur":       _row("#b88d58", "#a1763f", 0.85, ("fur", 0.32, 0.25), sheen=0.5),
     "grey fur":       _row("#77716a", "#5e5a55", 0.85, ("fur", 0.32, 0.25), sheen=0.5),

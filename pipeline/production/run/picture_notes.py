@@ -69,7 +69,7 @@ def _coat_notes(scene: Scene, shooting: ShotBuilder) -> Iterator[Note]:
     for i, member in scene.creatures:
         skin = scene.figures[member.figure].skin
         coat = skin.coat if skin else None
-        if coat not in (None, "none") and member.name not in grown:
+        if coat not in (None, "none", "smooth") and member.name not in grown:
             text = (
                 f"has no material on which a {coat} coat grows: none has the texture "
                 f"{' or '.join(GROWING)}"

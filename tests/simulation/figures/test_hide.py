@@ -12,9 +12,11 @@ from pydantic import ValidationError
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
-from pipeline.simulation.figures.hide.eyes import EYE_ANGLES, EYE_AROUND, eyeball
+from pipeline.simulation.figures.hide.animal import AnimalHide
+from pipeline.simulation.figures.hide.eyes import EYE_ANGLES, EYE_AROUND, eyeball, eyelids
 from pipeline.simulation.figures.hide.feet import paw_lumps
-from pipeline.simulation.figures.hide.head import Head
+from pipeline.simulation.figures.hide.head import NOSE_SUNK, Head
+from pipeline.simulation.figures.hide.head_gear import ear_solid, lip_groove, nose_solid
 from pipeline.simulation.figures.hide.lumps import (
     ball,
     cone,
@@ -26,9 +28,10 @@ from pipeline.simulation.figures.hide.shanks import tail_solid
 from pipeline.simulation.figures.hide.skulls import SKULLS
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.simulation.figures.hide.wing_cases import ShellPlan, wing_case
+from pipeline.simulation.figures.solids import Solid
 from pipeline.spec.figure import Figure as Words
 
-MOST_TRIANGLES = 12_400
+MOST_TRIANGLES = 13_200
 
 ANIMALS = ("horse", "camel", "dog", "cat", "elephant", "mouse", "frog", "lizard", "ostrich")
 SHELLS = ("beetle", "ant", "spider", "scorpion", "centipede", "crab")
@@ -107,7 +110,7 @@ def test_a_surface_goes_to_the_creation_frame_and_back() -> None:
     np.testing.assert_allclose(back, figure.skeleton.links[link].ends, atol=1e-9)
 
 
-def test_forelegs_look_straighter_than_their_bones() -> None:
+def test_forelegs_look_straighter_than_theirbones() -> None:
     figure = built(words_of("horse"))
     stance = Stance(figure)
     assert len(stance.straight_legs) == 2
@@ -199,6 +202,92 @@ def test_the_edge_of_a_pupil_is_a_ring_of_the_eye() -> None:
     assert spread.max() > 1.5 * spread.min()
 
 
+def head_of(words: dict[str, object]) -> Head:
+    figure = built(words)
+    stance = Stance(figure)
+    limb = next(i for i, each in enumerate(figure.skeleton.limbs) if each.kind == "head")
+    return Head.of(stance.chains[limb], SKULLS[figure.skin.skull or "dog"], figure.skin)
+
+
+@pytest.mark.parametrize("name", ["dog", "cat", "antelope", "kangaroo", "mouse"])
+def test_a_bare_nose_lies_in_the_muzzle_and_has_two_nostrils(name: str) -> None:
+    head = head_of(words_of(name))
+    assert head.nose is not None
+    depth = -float(union_distance(list(head.bones()), head.nose[None])[0])
+    # Where lumps overlap their union is deeper than it says.
+    assert 0.6 * NOSE_SUNK * head.nose_extent[0] < depth < 0.7 * head.nose_extent[0]
+    made = nose_solid(head)
+    assert made is not None
+    solid, paint = made
+    local = (solid.vertices - head.nose) @ head.axes.T / head.nose_extent
+    holes = local[paint[:, 0] < 0.5 * paint[:, 0].max()]
+    assert len(holes) >= 4
+    assert (holes[:, 0] > 0.0).all()
+    assert (np.abs(holes[:, 2]) > 0.1).all()
+    assert (holes[:, 2] > 0).sum() == (holes[:, 2] < 0).sum()
+    assert lip_groove(head) is not None
+
+
+def test_lids_leave_an_almond_whose_upper_edge_hangs_lower() -> None:
+    head = head_of(words_of("dog"))
+    solid, rim = eyelids(head, 1.0)
+    look = head.way(head.skull.look, 1.0)
+    ways = (solid.vertices[:EYE_AROUND] - head.eye(1.0)) / head.eye_radius
+    off = np.degrees(np.arccos(ways @ look / np.linalg.norm(ways, axis=-1)))
+    above, below = off[0], off[EYE_AROUND // 2]
+    corners = off[[EYE_AROUND // 4, 3 * EYE_AROUND // 4]]
+    assert above < below < corners.min()
+    assert rim[:EYE_AROUND].min() == 1.0
+    assert rim[3 * EYE_AROUND : 5 * EYE_AROUND].max() == 0.0
+
+
+@pytest.mark.parametrize(("pupil", "taller"), [("slit", True), ("bar", False)])
+def test_a_figure_chooses_its_pupils(pupil: str, taller: bool) -> None:
+    head = head_of({**words_of("dog"), "skin": {"skull": "dog", "pupil": pupil}})
+    solid, _ = eyeball(head, 1.0, "#b08a1e")
+    rim = solid.vertices[2 * EYE_AROUND : 3 * EYE_AROUND] - head.eye(1.0)
+    size = np.linalg.norm(rim - rim.mean(axis=0), axis=-1)
+    assert bool(size[0] > 2.0 * size[EYE_AROUND // 4]) is taller
+
+
+def test_a_figure_chooses_its_whiskers() -> None:
+    words = words_of("cat")
+    counts = [
+        sum(
+            len(skin.faces)
+            for skin in figure_skin(
+                built({**words, "skin": {"skull": "cat", "whiskers": length}})
+            ).skins.values()
+        )
+        for length in (0, 0.5)
+    ]
+    assert counts[0] < counts[1]
+
+
+@pytest.mark.parametrize(("coat", "has_mane"), [("smooth", True), ("none", False)])
+def test_a_smooth_coat_keeps_the_hair_of_the_mane(coat: str, has_mane: bool) -> None:
+    words = words_of("horse")
+    skin = {"skull": "horse", "mane": "hanging", "coat": coat}
+    hide = AnimalHide(built({**words, "skin": skin}))
+    solid = Solid(hide.stance.chains[0].points, np.array([[0, 1, 2]], dtype=np.uint32))
+    assert hide.hair_lay.hair(solid, [0]) is None
+    limb = next(i for i, each in enumerate(hide.figure.skeleton.limbs) if each.kind == "head")
+    assert (hide.hair_lay.locks(solid, limb) is not None) is has_mane
+
+
+def test_ears_have_hair_on_their_back_alone() -> None:
+    figure = built(words_of("dog"))
+    hide = AnimalHide(figure)
+    assert hide.head is not None
+    limb = next(i for i, each in enumerate(figure.skeleton.limbs) if each.kind == "feeler")
+    solid, inner = ear_solid(hide.head, hide.stance.chains[limb], -1.0, figure.skin)
+    hair = hide.hair_lay.ear(solid, inner)
+    assert hair is not None
+    length = np.linalg.norm(hair, axis=-1)
+    assert length[inner > 0.9].max() < 1e-9
+    assert 0.2 * hide.hair_lay.length < length[inner == 0.0].mean() < hide.hair_lay.length
+
+
 def test_a_lump_has_its_own_color() -> None:
     lump = {"node": "rump", "at": [0, 0.9, 0], "radii": [0.5, 0.5, 0.5], "color": "#ff0000"}
     skin = figure_skin(built({**TABLE, "skin": {"lumps": [lump]}})).skins[0]
@@ -228,6 +317,8 @@ def test_the_wing_cases_of_a_beetle_meet_at_its_seam() -> None:
         ({"lumps": [{"node": "chst"}]}, "chest"),
         ({"lumps": [{"node": "chest", "color": "white"}]}, "pattern"),
         ({"toes": 9}, "5"),
+        ({"pupil": "slitt"}, "slit"),
+        ({"whiskers": -1}, "0"),
     ],
 )
 def test_bad_words_are_refused(skin: dict[str, object], message: str) -> None:

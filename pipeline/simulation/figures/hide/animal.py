@@ -31,7 +31,9 @@ from pipeline.simulation.figures.hide.head_gear import (
     beak_solid,
     ear_solid,
     horn_solid,
+    lip_groove,
     mouth_solid,
+    nose_solid,
     proboscis_solid,
     whisker_solids,
 )
@@ -59,7 +61,7 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1700, 320
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 2300, 320
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 
@@ -84,7 +86,7 @@ NET_CELL = 0.55
 CELLS = 96
 """Cells of the coarse mesh along the longest side of an animal, at first."""
 
-HEAD_CELL, FOOT_CELL = 0.13, 0.24
+HEAD_CELL, FOOT_CELL = 0.11, 0.24
 """Cell of a skull and of a paw, in the radius there, at first."""
 
 DEFAULT_TOES = {"hooves": 1, "paws": 4, "toes": 4, "claws": 5, "plain": 0}
@@ -352,9 +354,12 @@ class AnimalHide:
             assert paint is not None
             lay(paint, head.skull.lid_color, rim)
             features.append((solid, paint))
-        mouth = mouth_solid(head)
-        if mouth is not None:
-            features.append((mouth, painted(len(mouth.vertices), MOUTH_COLOR)))
+        for line in (mouth_solid(head), lip_groove(head)):
+            if line is not None:
+                features.append((line, painted(len(line.vertices), MOUTH_COLOR)))
+        nose = nose_solid(head)
+        if nose is not None:
+            features.append(nose)
         for solid in whisker_solids(head):
             features.append((solid, painted(len(solid.vertices), WHISKER_COLOR)))
         patch.skins += [self.stance.rigid(solid, skull_link, paint) for solid, paint in features]
@@ -429,14 +434,21 @@ class AnimalHide:
         material = self.figure.skeleton.links[limb.links[-1]].material
         patch = self.patches.setdefault(limb.links[0], Patch())
         patch.covered.update(limb.links)
+        hair: Array | None = None
         if limb.kind == HORN or "horn" in material or "bone" in material or "ivory" in material:
             solid = horn_solid(head, chain, side, self.figure.skin.horns)
             paint = None if material else painted(len(solid.vertices), DARK_HORN)
         else:
             solid, inner = ear_solid(head, chain, side, self.figure.skin)
             color = next((p.color for p in self.figure.skin.paint if p.where == "ears"), "#7a5548")
-            paint = painted(len(solid.vertices), color, 0.75 * inner)
-        patch.skins.append(self.stance.rigid(solid, skull_link, paint))
+            paint = np.zeros((len(solid.vertices), 4))
+            # Their backs have the coat of the face.
+            for layer in self.figure.skin.paint:
+                if layer.where == "face":
+                    lay(paint, layer.color, np.full(len(paint), layer.share))
+            lay(paint, color, 0.75 * inner)
+            hair = self.hair_lay.ear(solid, inner)
+        patch.skins.append(self.stance.rigid(solid, skull_link, paint, hair))
 
     def _add_lumps(self) -> None:
         """Add the flesh that the figure's words ask for."""

@@ -29,15 +29,19 @@ PUPIL_DEG, IRIS_DEG = 22.0, 55.0
 
 PUPILS: Mapping[str, tuple[float, float]] = {
     "round": (1.0, 1.0),
-    "slit": (1.7, 0.45),
-    "bar": (0.65, 1.35),
+    "slit": (1.9, 0.42),
+    "bar": (0.62, 1.6),
 }
 """Height and width of a pupil by its shape, in those of a round one."""
 
 SCLERA = "#1e1611"
 """Colour of the visible part of an eye around its iris: animals show no white."""
 
-CATCHLIGHT_DEG, CATCHLIGHT_SIZE = 36.0, 0.13
+GLOW_SHARE, GLOW_SIZE = 0.55, 1.6
+"""Share at the lower edge of the iris of the light that its cornea gathers there, and how bright it
+is, in the iris: an eye without it looks like a button."""
+
+CATCHLIGHT_DEG, CATCHLIGHT_SIZE = 27.0, 0.15
 """Angle of the reflection of the sky [degrees], and its radius in the eye's.
 
 That of the sun alone is less than a pixel.
@@ -46,13 +50,19 @@ That of the sun alone is less than a pixel.
 CATCHLIGHT_DEPTH = 0.07
 """Depth of the middle of its ball in the eye, in the eye's radius."""
 
-LID_CORNERS, LID_DROOP = 13.0, 9.0
-"""What the opening of lids is more at the corners, and less above [degrees]."""
+LID_CORNERS = 16.0
+"""What the opening of lids is more at the corners [degrees]."""
 
-LID_RINGS = ((0.0, 1.02), (3.0, 1.11), (11.0, 1.16), (26.0, 1.17), (58.0, 1.02))
+TEAR_DUCT = 9.0
+"""What the opening is more at the inner corner than at the outer one [degrees]."""
+
+LID_RINGS = ((0.0, 1.015), (2.5, 1.07), (9.0, 1.105), (24.0, 1.11), (58.0, 0.98))
 """Rings of lids: angle beyond their edge [degrees], and radius in that of the eye."""
 
-LID_RIM = (1.0, 1.0, 0.7, 0.1, 0.0)
+UPPER_LID = 0.05
+"""How much thicker the upper lid is than the lower one, in the radius of the eye."""
+
+LID_RIM = (1.0, 1.0, 0.55, 0.0, 0.0)
 """Share of the dark rim at these rings: beyond it a lid has the coat of the face."""
 
 
@@ -63,7 +73,15 @@ def _axes(head: Head, side: float) -> Array:
     up = up if up[1] > 0 else -up
     ahead = cross(look, up)
     ahead = ahead if float((ahead * head.axes[0]).sum()) > 0 else -ahead
-    return np.stack([look, up, ahead])
+    # The outer corner is higher than the inner one.
+    slant = np.radians(head.skull.slant)
+    return np.stack(
+        [
+            look,
+            np.cos(slant) * up + np.sin(slant) * ahead,
+            np.cos(slant) * ahead - np.sin(slant) * up,
+        ]
+    )
 
 
 def _ring_places(angles: Array, sizes: Array | float, axes: Array) -> Array:
@@ -97,6 +115,10 @@ def eyeball(head: Head, side: float, iris: str) -> tuple[Solid, Paint]:
     )
     lay(paint, "#0d0907", smoothstep((IRIS_DEG + 8.0 - off) / 8.0))
     lay(paint, iris, smoothstep((IRIS_DEG - off) / 6.0))
+    low = smoothstep(0.5 - 0.9 * ways[:, 1] / np.sin(np.radians(IRIS_DEG)))
+    low *= smoothstep((IRIS_DEG - 3.0 - off) / 6.0) * GLOW_SHARE
+    paint[:, :3] *= 1.0 + (GLOW_SIZE - 1.0) * low[:, None]
+    paint[:, :3] = np.minimum(paint[:, :3], 1.0)
     inside = np.append(np.repeat(EYE_ANGLES < PUPIL_DEG + 1.0, EYE_AROUND), [True, False])
     lay(paint, "#050404", inside.astype(float))
     bright = np.array([1.0, 0.8, 0.6]) * np.sin(np.radians(CATCHLIGHT_DEG))
@@ -117,12 +139,12 @@ def eyelids(head: Head, side: float) -> tuple[Solid, Array]:
     axes, size, middle = _axes(head, side), head.eye_radius, head.eye(side)
     azimuth = np.arange(EYE_AROUND) * (2.0 * np.pi / EYE_AROUND)
     edge = head.skull.lid_opening + LID_CORNERS * np.sin(azimuth) ** 2
-    edge -= LID_DROOP * np.maximum(np.cos(azimuth), 0.0)
+    edge -= head.skull.droop * np.maximum(np.cos(azimuth), 0.0)
+    edge += TEAR_DUCT * np.maximum(np.sin(azimuth), 0.0) ** 4
     beyond, radii = np.array(LID_RINGS).T
     angles = np.radians(edge + beyond[:, None])
-    rings = middle + _ring_places(
-        angles, np.broadcast_to(size * radii[:, None], angles.shape), axes
-    )
+    thick = radii[:, None] + UPPER_LID * (radii > 1.05)[:, None] * np.maximum(np.cos(azimuth), 0.0)
+    rings = middle + _ring_places(angles, size * thick, axes)
     # Both ends are inside the ball.
     solid = outward(loft(rings, np.stack([middle, middle - 0.5 * size * axes[0]])))
     return solid, np.concatenate([np.repeat(LID_RIM, EYE_AROUND), [1.0, 0.0]])

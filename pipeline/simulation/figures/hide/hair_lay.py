@@ -21,12 +21,14 @@ from pipeline.spec.skin import CoatName
 
 COATS: Mapping[CoatName, tuple[float, float]] = {
     "none": (0.0, 0.0),
+    "smooth": (0.0, 0.0),
     "sleek": (0.05, 7.0),
     "short": (0.16, 19.0),
     "long": (0.28, 25.0),
     "shaggy": (0.45, 30.0),
 }
-"""Length of the hair on the back, in the body's radius, and how far it stands off [degrees]."""
+"""Length of the hair on the back, in the body's radius, and how far it stands off [degrees]. Smooth
+coats are drawn by their paint alone, and have the long hair of manes and tails."""
 
 DEFAULT_COATS: Mapping[str, CoatName] = {"hooves": "sleek", "paws": "short", "toes": "shaggy"}
 """By the feet of a figure without a word for its coat; others are sleek."""
@@ -40,6 +42,13 @@ MERGING = 0.22
 LOCK_LENGTH = 3.0
 """Length of the hair of manes, brushes and tails, in that of the back of a short coat."""
 
+
+EAR_HAIR, EAR_TUFT = 0.42, 0.9
+"""Length of the hair on the back of an ear, and of that of its rim near the root, in that of the
+back."""
+
+EAR_LIFT = np.radians(14.0)
+"""How far the hair of an ear stands off [rad]."""
 
 FEATURE_REACH = 0.7
 """Length of the hair beside eyes, nostrils and mouth, in its distance from them: it hides none."""
@@ -55,6 +64,7 @@ class HairLay:
         coat: of the animal.
         length: of the hair on its back [m].
         lift: of the hair from the hide [rad].
+        is_shorn: whether it has no mane of hair either.
     """
 
     def __init__(self, coat: Coat) -> None:
@@ -64,6 +74,7 @@ class HairLay:
         length, lift = COATS[name]
         self.length = length * figure.skin.coat_length * coat.girth
         self.lift = float(np.radians(lift))
+        self.is_shorn = name == "none"
 
     def hair(self, solid: Solid, limbs: list[int], is_head: bool = False) -> Array | None:
         """Return the hair (V, 3) at the vertices of a surface [m], None for a bare one.
@@ -102,7 +113,7 @@ class HairLay:
 
     def locks(self, solid: Solid, limb: int) -> Array | None:
         """Return the long hair (V, 3) of a mane or of a tail of hair, which hangs down [m]."""
-        if self.length == 0.0:
+        if self.is_shorn:
             return None
         chain = self.coat.stance.chains[limb]
         way = chain.ways[chain.distances(solid.vertices).argmin(axis=0)]
@@ -113,6 +124,23 @@ class HairLay:
         return combed(
             -UP - back * way, vertex_normals(solid.vertices, solid.faces), length, np.radians(8.0)
         )
+
+    def ear(self, solid: Solid, inner: Array) -> Array | None:
+        """Return the hair (V, 3) of an ear, whose inner side is bare but for its rim [m].
+
+        Args:
+            solid: the ear as the figure stands.
+            inner: (V,) share of its inner side.
+        """
+        if self.length == 0.0:
+            return None
+        root, tip = solid.vertices[[-2, -1]]
+        way = tip - root
+        along = np.clip(((solid.vertices - root) @ way) / float(way @ way), 0.0, 1.0)
+        length = self.length * np.interp(along, [0.0, 0.5, 1.0], [EAR_TUFT, EAR_HAIR, EAR_HAIR])
+        length *= 1.0 - smoothstep(inner / 0.8)
+        flow = np.broadcast_to(way, solid.vertices.shape)
+        return combed(flow, vertex_normals(solid.vertices, solid.faces), length, EAR_LIFT)
 
     @staticmethod
     def _trunk_flow(normals: Array) -> Array:

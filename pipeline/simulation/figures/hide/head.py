@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from pipeline.simulation.figures.hide.stance import Chain, segment_distance, smo
 from pipeline.simulation.spatial import UP, Array, cross, normalized
 from pipeline.spec.skin import Skin as SkinConfig
 
-SOCKET, SOCKET_DEPTH = 1.20, 0.42
+SOCKET, SOCKET_DEPTH = 1.16, 0.36
 """Radius of the lids, and depth of their middle below that of the eye, in the eye's radius."""
 
 RAY_STEPS = 121
@@ -24,6 +24,10 @@ RAY_STEPS = 121
 
 MOUTH_SIDE, MOUTH_FRONT = 7, 4
 """Points of the mouth line along a side, and round the front of one."""
+
+NOSE_WAY, NOSE_SUNK = (1.0, 0.05, 0.0), 0.35
+"""Direction along and up in which a bare nose is set on the muzzle, and the depth of its middle in
+the skin, in its length."""
 
 FRONT = 0.92
 """Place along a head from which the mouth line goes round its front."""
@@ -34,7 +38,10 @@ SMILE = 0.16
 LIPS = 0.10
 """Width of the dark lips on either side of the mouth line, in the radius of the muzzle."""
 
-HEAD_BLEND = 0.34
+SHADOW = 0.45
+"""Share of the colour of the lids on the skull around them."""
+
+HEAD_BLEND = 0.30
 """Width of the union of a head's lumps, in their radius."""
 
 
@@ -67,7 +74,12 @@ class Head:
         size = config.head_size
         radii = (size * float(chain.radii[-2]), size * float(chain.radii[-1]))
         length = size * float(chain.lengths[-1])
-        return Head(skull, chain.points[-2], axes, length, radii, config.eye_size)
+        own = replace(
+            skull,
+            pupil=config.pupil or skull.pupil,
+            whiskers=skull.whiskers if config.whiskers is None else config.whiskers,
+        )
+        return Head(own, chain.points[-2], axes, length, radii, config.eye_size)
 
     def radius(self, along: float) -> float:
         """Return the drawn radius at a share of the head's length [m]."""
@@ -89,10 +101,11 @@ class Head:
 
     def lumps(self) -> Iterator[Lump]:
         """Yield the skull with its lids, nose and nostrils."""
-        yield from self._bones()
+        yield from self.bones()
         yield from self._features()
 
-    def _bones(self) -> Iterator[Lump]:
+    def bones(self) -> Iterator[Lump]:
+        """Yield the lumps of the skull without lids, nose and nostrils."""
         for a, b, r_a, r_b in self.skull.rows:
             s_a, s_b = self.radius(a[0]), self.radius(b[0])
             for side in (1.0, -1.0) if a[2] or b[2] else (1.0,):
@@ -109,15 +122,31 @@ class Head:
             if self.skull.lids:
                 at = self.eye(side) - SOCKET_DEPTH * size * self.way(self.skull.look, side)
                 yield ball(at, (SOCKET * size,) * 3, self.skull.lids * size * 2.0)
-        if self.skull.nose is not None:
-            place, extent, _ = self.skull.nose
-            r = self.radius(place[0])
-            yield ball(self.place(place), [r * v for v in extent], 0.25 * r, self.axes)
+        if self.nose is not None:
+            nose = self.nose_extent
+            yield ball(self.nose, nose.tolist(), 0.6 * float(nose.min()), self.axes)
         for hole, extent in self.skull.holes:
             r = self.radius(hole[0])
             for side in (1.0, -1.0):
                 sizes = [r * value for value in extent]
                 yield ball(self.place(hole, side), sizes, 0.12 * r, self.axes, carved=True)
+
+    @cached_property
+    def nose(self) -> Array | None:
+        """The middle (3,) of a bare nose, which lies in the skin [m]; None without one."""
+        if self.skull.nose is None:
+            return None
+        at = self.place(self.skull.nose[0])
+        way = self.way(NOSE_WAY)
+        hit = self._surface(list(self.bones()), at, way, NOSE_SUNK * float(self.nose_extent[0]))
+        return at if hit is None else hit
+
+    @property
+    def nose_extent(self) -> Array:
+        """Radii (3,) of a bare nose along, up and to the side [m]."""
+        assert self.skull.nose is not None
+        place, extent, _ = self.skull.nose
+        return self.radius(place[0]) * np.array(extent)
 
     @property
     def eye_radius(self) -> float:
@@ -130,7 +159,7 @@ class Head:
 
     @cached_property
     def _eyes(self) -> dict[float, Array]:
-        rows = list(self._bones())
+        rows = list(self.bones())
         found = {}
         for side in (1.0, -1.0):
             at, look = self.place(self.skull.eye, side), self.way(self.skull.look, side)
@@ -145,13 +174,18 @@ class Head:
         inside = np.flatnonzero(union_distance(lumps, line) < -depth)
         return line[inside[-1]] if len(inside) else None
 
+    def on_skin(self, place: Array) -> Array:
+        """Return the place (3,) on the skin straight ahead or behind one near it [m]."""
+        hit = self._surface(list(self.bones()), place, self.axes[0], 0.0)
+        return place if hit is None else hit
+
     @cached_property
     def mouth(self) -> Array | None:
         """Places (n, 3) on the skin from the left corner of the mouth to the right one [m]."""
         if self.skull.mouth is None:
             return None
         x0, y0, x1, y1 = self.skull.mouth
-        rows = list(self._bones())
+        rows = list(self.bones())
         half = []
         turns = np.linspace(90.0, 0.0, MOUTH_FRONT + 1)[1:]
         rays = [(x, 90.0) for x in np.linspace(x0, FRONT, MOUTH_SIDE)]
@@ -196,15 +230,13 @@ class Head:
                 )
                 off = np.sqrt((away * away).sum(axis=-1))
                 lay(paint, "#120a08", smoothstep((1.35 - off) / 0.35))
-        if self.skull.nose is not None:
-            at, radii, color = self.skull.nose
-            away = ((places - self.place(at)) @ self.axes.T) / (
-                self.radius(at[0]) * np.array(radii)
-            )
+        if self.skull.nose is not None and self.nose is not None:
+            color = self.skull.nose[2]
+            away = ((places - self.nose) @ self.axes.T) / self.nose_extent
             lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
         for side in (1.0, -1.0):
             off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
-            lay(paint, self.skull.lid_color, 0.92 * smoothstep((1.22 - off) / 0.25))
+            lay(paint, self.skull.lid_color, SHADOW * smoothstep((1.30 - off) / 0.35))
         return paint
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.sheets import Paint, ear, horn, outward, painted, tube
-from pipeline.simulation.figures.hide.stance import Chain
+from pipeline.simulation.figures.hide.sheets import Paint, ear, horn, lay, outward, painted, tube
+from pipeline.simulation.figures.hide.stance import Chain, smoothstep
 from pipeline.simulation.figures.hide.trunk import spline
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import UP, Array, normalized
@@ -35,8 +35,22 @@ MOUTH_SUNK = 0.1
 WHISKERS = ((0.25, 0.50), (-0.10, 0.25), (-0.30, 0.0), (-0.15, -0.22), (0.15, -0.45))
 """Directions of the whiskers ahead and up, for one to the side."""
 
-WHISKER_RADIUS = 0.016
+WHISKER_RADIUS = 0.012
 """Radius of a whisker at its root, in that of the muzzle: thinner ones would sparkle."""
+
+NOSE_RINGS, NOSE_AROUND, NOSE_DEG = 8, 18, 100.0
+"""Rings of a bare nose, vertices around it, and how far it goes round [degrees]."""
+
+NOSE_SIZE, NOSE_TAPER = 1.05, 0.35
+"""Size of a bare nose in that of the flesh below, and how much narrower it is below than above."""
+
+NOSTRIL, NOSTRIL_SIZE, NOSTRIL_DEPTH = (0.76, -0.02, 0.52), 0.26, 0.34
+"""Direction ahead, up and to the side, radius and depth of a nostril, in the radius of the nose."""
+
+GROOVE_DEPTH, GROOVE_POINTS = 0.10, 4
+"""Depth of the groove between the nostrils, in the radius of the nose, and its points below it."""
+
+NOSTRIL_COLOR = "#060404"
 
 FOLDS, FOLD_POINTS, FOLD_DEPTH = 26, 12, 0.045
 """Folds around a trunk, vertices around it, and the depth of a fold in its radius."""
@@ -144,6 +158,43 @@ def mouth_solid(head: Head) -> Solid | None:
     inward = head.mouth.mean(axis=0) - head.mouth
     inward -= (inward @ head.axes[1])[:, None] * head.axes[1]
     return tube(head.mouth + MOUTH_SUNK * sizes[:, None] * normalized(inward), sizes, 5)
+
+
+def lip_groove(head: Head) -> Solid | None:
+    """Return the groove from a bare nose down to the mouth; None without one of them."""
+    if head.mouth is None or head.nose is None:
+        return None
+    root = head.nose + head.nose_extent[0] * head.axes[0] - 0.4 * head.nose_extent[1] * head.axes[1]
+    curve = np.linspace(root, head.mouth[len(head.mouth) // 2], GROOVE_POINTS)
+    placed = [head.on_skin(point) for point in curve]
+    sizes = np.full(GROOVE_POINTS, 0.7 * MOUTH_WIDTH * head.radii[1])
+    return tube(np.array(placed), sizes, 5)
+
+
+def nose_solid(head: Head) -> tuple[Solid, Paint] | None:
+    """Return a bare nose with two nostrils and a groove between them, and its paint."""
+    if head.skull.nose is None or head.nose is None:
+        return None
+    middle, color = head.nose, head.skull.nose[2]
+    polar = np.radians(np.linspace(0.0, NOSE_DEG, NOSE_RINGS + 1)[1:])[:, None]
+    azimuth = np.arange(NOSE_AROUND) * (2.0 * np.pi / NOSE_AROUND)
+    x = np.cos(polar) + 0.0 * azimuth
+    y, z = np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth)
+    # A comma that opens to the side.
+    ahead, up, out = NOSTRIL
+    away = np.stack([x - ahead, 1.5 * (y - up - 0.25 * (np.abs(z) - out)), 0.8 * (np.abs(z) - out)])
+    hole = np.exp(-((away**2).sum(axis=0)) / NOSTRIL_SIZE**2)
+    groove = np.exp(-((z / 0.13) ** 2)) * np.clip(0.5 - 1.2 * y, 0.0, 1.0) * (x > 0.0)
+    depth = 1.0 - NOSTRIL_DEPTH * hole - GROOVE_DEPTH * groove
+    # Narrow below, as wide as it is above.
+    wide = z * (1.0 - NOSE_TAPER * np.clip(-y, 0.0, 1.0))
+    size = NOSE_SIZE * head.nose_extent
+    local = np.stack([x * depth, y * depth, wide * depth], axis=-1) * size
+    front, back = np.array([size[0] * (1.0 - GROOVE_DEPTH), 0.0, 0.0]), np.zeros(3)
+    solid = outward(loft(local @ head.axes + middle, np.stack([front, back]) @ head.axes + middle))
+    paint = painted(len(solid.vertices), color)
+    lay(paint, NOSTRIL_COLOR, np.append(smoothstep((hole - 0.35) / 0.3).reshape(-1), [0.0, 0.0]))
+    return solid, paint
 
 
 def whisker_solids(head: Head) -> Iterator[Solid]:

@@ -13,6 +13,9 @@ Paint = Array
 EAR_RINGS, EAR_POINTS, EAR_RIM = 11, 7, 0.75
 """Rings of an ear, points across it, and how much thinner it is at its rim."""
 
+EAR_ROOT = 0.8
+"""Width of the root of a leaf-shaped ear, in that which its outline would have there."""
+
 HORN_RINGS, HORN_POINTS = 24, 7
 
 
@@ -75,6 +78,8 @@ def ear(
     t = np.clip(s, 0.0, 1.0)
     half = 0.5 * width * (0.42 + 0.58 * np.sin(np.pi * np.minimum(t, 0.75) ** 0.8))
     half *= np.sqrt(np.clip(1.0 - t**3.2, 0.0, 1.0)) + 0.03
+    # A funnel: a broad leaf would come out of the other side of the skull.
+    half *= np.interp(t, [0.0, 0.3], [EAR_ROOT, 1.0])
     half += pointed * (0.5 * width * (0.03 + 0.97 * (1.0 - t) ** 0.85) - half)
     u = np.linspace(-1.0, 1.0, EAR_POINTS)
     thick = 0.10 * width * (1.0 - 0.6 * t)

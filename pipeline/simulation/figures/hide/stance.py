@@ -271,11 +271,16 @@ class Stance:
             hair = self.unposed(solid.vertices + hair, links, share) - places
         return Skin(places, solid.faces, links, share, paint, hair)
 
-    def rigid(self, solid: Solid, link: int, paint: Array | None = None) -> Skin:
+    def rigid(
+        self, solid: Solid, link: int, paint: Array | None = None, hair: Array | None = None
+    ) -> Skin:
         """Return a surface that was meshed as the figure stands and follows one link."""
         links = np.full((len(solid.vertices), 2), link, dtype=np.int64)
         share = np.zeros(len(links))
-        return Skin(self.unposed(solid.vertices, links, share), solid.faces, links, share, paint)
+        places = self.unposed(solid.vertices, links, share)
+        if hair is not None:
+            hair = self.unposed(solid.vertices + hair, links, share) - places
+        return Skin(places, solid.faces, links, share, paint, hair)
 
     def chained(self, solid: Solid, chain: Chain, root: int, paint: Array | None = None) -> Skin:
         """Return a surface along a chain that grows from link `root`, in the creation frame."""

@@ -45,6 +45,8 @@ SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 EASY_STEP = 0.2  # onto a deck, in leg lengths, that takes no longer than others
+EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
+LIFT_SLOWING = 2.0  # by a high swing, in that by a high step
 HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 
@@ -118,13 +120,16 @@ def gait_pace(person: Record) -> tuple[float, float]:
 
 @compiled
 def _high_step(person: Record) -> float:
-    """Return by how much a foot steps onto a deck or off it beyond an easy step, in leg lengths."""
-    rise = 0.0
+    """Return by how much a foot steps higher than with ease, in leg lengths."""
+    rise = lift = 0.0
     for k in range(2):
         changes = person.landing_on_deck[k] != person.liftoff_on_deck[k]
         if person.foot_state[k] == SWING and changes:
             rise = max(rise, abs(person.landing_place[k, 1] - person.liftoff_place[k, 1]))
-    return max(rise / leg_length(person) - EASY_STEP, 0.0)
+        if person.foot_state[k] == SWING:
+            lift = max(lift, person.swing_height[k])
+    leg = leg_length(person)
+    return max(rise / leg - EASY_STEP, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
 
 
 @compiled

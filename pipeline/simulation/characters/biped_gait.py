@@ -52,7 +52,10 @@ TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 # How high a foot steps up or down at once, in leg lengths, and where else it may land.
 HIGHEST_RISE = 0.28
 RISE_TRIALS = 8  # places between the one asked for and the other foot
+RISE_TOLERANCE = 0.02  # by which a nearer foothold has to be lower
 LEAST_ADVANCE = 0.3  # ahead of the other foot, of the place asked for
+
+FASTEST_RAISE = 0.008  # of a swing under way, in a sub-step
 
 # How feet keep clear of the other leg. Lateral clearance is in half hip widths: as near as shins
 # can pass, and as walkers place their feet. Other distances are in lateral clearances.
@@ -214,7 +217,10 @@ def _choose_landing(
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
-    x, z = _within_rise(person, k, x, z, frame, vertices)
+    if share == 1.0:
+        # Once a swing, so that the foot does not dart to and fro.
+        person.longest_stride[k] = _longest_stride(person, k, x, z, frame, vertices)
+    x, z = _within_stride(person, k, x, z)
     y, _, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
@@ -223,39 +229,50 @@ def _choose_landing(
         z,
     )
     person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
-    _raise_swing_height(person, k, frame, vertices)
+    _raise_swing_height(person, k, share, frame, vertices)
 
 
 @compiled
-def _within_rise(
+def _longest_stride(
     person: Record, k: int, x: float, z: float, frame: Record, vertices: Array
-) -> tuple[float, float]:
-    """Return the foothold that is no more than a riser above the other foot.
+) -> float:
+    """Return how far ahead of the other foot a foothold may be to be no more than a riser above it.
 
-    On stairs a walker takes one tread at a time. Footholds nearer to the other foot are tried; if
-    none of them is lower than the one asked for, that one is kept.
+    On stairs a walker takes one tread at a time. Footholds nearer to the other foot are tried; it
+    is infinite where the one asked for is as good as these, and on decks [m].
     """
     other = _other_ankle(person, k)
-    base = other[1] - person.ankle
-    most = HIGHEST_RISE * leg_length(person)
+    base, leg = other[1] - person.ankle, leg_length(person)
     height, _, is_on_deck = support_at(person, frame, vertices, x, z)
-    best_x, best_z, least = x, z, abs(height - base)
-    if least <= most or is_on_deck or person.stance_on_deck[1 - k] == 1:
-        return x, z
+    longest, least = math.inf, abs(height - base)
+    if least <= HIGHEST_RISE * leg or is_on_deck or person.stance_on_deck[1 - k] == 1:
+        return longest
+    ahead, right = _ahead_and_right(x - other[0], z - other[2], person.heading)
     for i in range(1, RISE_TRIALS):
-        share = 1.0 - i / RISE_TRIALS * (1.0 - LEAST_ADVANCE)
-        # Ahead of the other foot, but on its own side.
-        ahead, right = _ahead_and_right(x - other[0], z - other[2], person.heading)
-        cos, sin = math.cos(person.heading), math.sin(person.heading)
-        near_x = other[0] + share * ahead * cos + right * sin
-        near_z = other[2] - share * ahead * sin + right * cos
+        near = (1.0 - i / RISE_TRIALS * (1.0 - LEAST_ADVANCE)) * ahead
+        near_x, near_z = _place_ahead(person, other, near, right)
         height, _, _ = support_at(person, frame, vertices, near_x, near_z)
         rise = abs(height - base)
-        if rise < least - 0.02 * leg_length(person):
-            best_x, best_z, least = near_x, near_z, rise
-            if least <= most:
-                break
-    return best_x, best_z
+        if rise < least - RISE_TOLERANCE * leg:
+            longest, least = near, rise
+    return longest
+
+
+@compiled
+def _place_ahead(person: Record, other: Vector, ahead: float, right: float) -> tuple[float, float]:
+    """Return the place so far ahead and to the right of the other foot."""
+    cos, sin = math.cos(person.heading), math.sin(person.heading)
+    return other[0] + ahead * cos + right * sin, other[2] - ahead * sin + right * cos
+
+
+@compiled
+def _within_stride(person: Record, k: int, x: float, z: float) -> tuple[float, float]:
+    """Return the foothold no farther ahead of the other foot than its longest stride."""
+    other = _other_ankle(person, k)
+    ahead, right = _ahead_and_right(x - other[0], z - other[2], person.heading)
+    if ahead <= person.longest_stride[k]:
+        return x, z
+    return _place_ahead(person, other, person.longest_stride[k], right)
 
 
 @compiled
@@ -269,7 +286,10 @@ def _other_ankle(person: Record, k: int) -> Vector:
 
 
 @compiled
-def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) -> None:
+def _raise_swing_height(
+    person: Record, k: int, share: float, frame: Record, vertices: Array
+) -> None:
+    """Raise the swing of a foot to clear what is below its way; at once if the share is 1."""
     a, b = row(person.liftoff_place, k), row(person.landing_place, k)
     run = run_blend(ground_speed(person), leg_length(person))
     clear = (0.035 + 0.02 * person.walk_blend + 0.13 * run) * leg_length(person)
@@ -285,7 +305,12 @@ def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) 
             ankle = max(ankle, height_over_hurdle(person, x, z, person.landing_yaw[k]))
         need = (ankle - y) / (16.0 * (u * (1.0 - u)) ** 2)
         clear = max(clear, need)
-    person.swing_height[k] = max(person.swing_height[k], min(clear, 0.6 * leg_length(person)))
+    height = min(clear, 0.6 * leg_length(person))
+    # What comes in sight in mid-swing lifts the foot without a jerk.
+    most = person.swing_height[k] + FASTEST_RAISE * leg_length(person)
+    if share < 1.0 and height > most:
+        height = most
+    person.swing_height[k] = max(person.swing_height[k], height)
 
 
 @compiled

@@ -46,7 +46,8 @@ RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its 
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 EASY_STEP = 0.2  # onto a deck, in leg lengths, that takes no longer than others
 EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
-LIFT_SLOWING = 2.0  # by a high swing, in that by a high step
+LIFT_SLOWING = 2.5  # by a high swing, in that by a high step
+SLOWING_RATE = 10.0  # at which the gait slows for a high step, and quickens after it [1/s]
 HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 
@@ -115,7 +116,7 @@ def gait_pace(person: Record) -> tuple[float, float]:
     speed = ground_speed(person)
     # In turns and after pushes, steps are as brisk as in a slow walk.
     rate = max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg))
-    return rate / (1.0 + HIGH_STEP_SLOWING * _high_step(person)), person.duty
+    return rate / (1.0 + person.slowing), person.duty
 
 
 @compiled
@@ -134,10 +135,12 @@ def _high_step(person: Record) -> float:
 
 @compiled
 def follow_duty_factor(person: Record, dt: float) -> None:
-    """Let the stance fraction of a cycle follow the speed.
+    """Let the stance fraction of a cycle follow the speed, and the cycle the height of its steps.
 
     A runner who slows to a walk would otherwise hurry a foot in mid-swing to the end of its way.
     """
+    slowing = HIGH_STEP_SLOWING * _high_step(person)
+    person.slowing += (slowing - person.slowing) * (1.0 - math.exp(-SLOWING_RATE * dt))
     change = duty_factor(ground_speed(person), leg_length(person)) - person.duty
     person.duty += change * (1.0 - math.exp(-LENGTHENING_RATE * dt) if change > 0.0 else 1.0)
 

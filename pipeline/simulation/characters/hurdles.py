@@ -27,7 +27,7 @@ from pipeline.simulation.dynamics.vectors import Vector
 
 # What is a hurdle. Lengths in leg lengths.
 LEAST_RISE, HIGHEST_HURDLE = 0.035, 0.4  # above the ground; feet clear what is lower
-HIGHEST_STEP_OVER, DEEPEST_STEP_OVER = 0.27, 0.45  # that a person steps over; depth on its way
+HIGHEST_STEP_OVER, DEEPEST_STEP_OVER = 0.22, 0.45  # that a person steps over; depth on its way
 WIDEST_HURDLE = 2.0  # half extents beyond which a thing is a floor
 STILL_SPEED = 0.4  # beyond which a thing is no hurdle, but moves out of the way or hits [m/s]
 LIFTED = 0.15  # of the lowest point of a thing above the ground, below which it lies there
@@ -42,11 +42,11 @@ BEHIND_RANGE = 0.7  # behind the body up to which a hurdle is minded, in leg len
 FOOT_MARGIN = 0.55  # of the middle of a foot from the edge of a hurdle, in foot lengths
 LONGEST_STRIDE = 0.72  # from the other foot, of one that lands behind a hurdle, in leg lengths
 RUNNING_STRIDE = 0.6  # by which that of runners is longer
-EASE = 0.75  # of the speed, so near a hurdle that a person steps over it
+EASE = 0.65  # of the speed, so near a hurdle that a person steps over it
 EASING_RANGE = 0.6  # in leg lengths
 MIDDLE_OF_FOOT = 0.2  # ahead of the ankle, in foot lengths
 OVERHANG = 0.7  # of its rise, by which a foot with only its heel or toes above a hurdle is lower
-TOE_CLEARANCE = 0.05  # above a hurdle, in leg lengths
+TOE_CLEARANCE = 0.035  # above a hurdle, in leg lengths
 
 
 @compiled

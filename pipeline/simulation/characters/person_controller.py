@@ -11,7 +11,11 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
 from pipeline.simulation.characters.deck_choice import Decks, deck_height
-from pipeline.simulation.characters.hurdles import DEEPEST_STEP_OVER, HIGHEST_STEP_OVER
+from pipeline.simulation.characters.hurdles import (
+    DEEPEST_STEP_OVER,
+    HIGHEST_STEP_OVER,
+    STILL_SPEED,
+)
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
@@ -120,6 +124,16 @@ class CharacterView:
         return tuple(
             k for k in things if owners["nodes"][k, 1] > 1 and owners["mass"][k] > LIGHT_MASS
         )
+
+    def lying_things(self) -> list[int]:
+        """Return the numbers of limp people, and of balls that lie still."""
+        speeds = self.arrays.owners["speed"]
+        balls = [k for k in self._balls if speeds[k] < STILL_SPEED]
+        return [*self.limp_people, *balls]
+
+    @cached_property
+    def _balls(self) -> tuple[int, ...]:
+        return tuple(k for k, span in enumerate(self._spans) if span[1] == 1)
 
     @cached_property
     def limp_people(self) -> tuple[int, ...]:
@@ -327,7 +341,7 @@ class PersonController:
             held.add(int(self.record.deck))
         things = [self.view.circle(k) for k in self.view.heavy_things if k not in held]
         held.update(self.record.act_things.tolist())
-        things += [self.view.circle(k) for k in self.view.limp_people if k not in held]
+        things += [self.view.circle(k) for k in self.view.lying_things() if k not in held]
         if not things:
             return found
         middles = np.concatenate([found[0], [middle for middle, _ in things]])

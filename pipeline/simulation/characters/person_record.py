@@ -79,6 +79,10 @@ PERSON = np.dtype(
         ("liftoff_yaw", "f8", 2),
         ("landing_yaw", "f8", 2),
         ("swing_height", "f8", 2),
+        # How far ahead of the other foot each swinging foot may land [m]; by how much the gait is
+        # slowed by a high step, as a fraction.
+        ("longest_stride", "f8", 2),
+        ("slowing", "f8"),
         ("pitch", "f8", 2),
         ("liftoff_pitch", "f8", 2),
         ("ankles", "f8", (2, 3)),

@@ -25,7 +25,7 @@ from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.spatial import Array
 
-SEAT_RANGE = 0.25, 0.75  # heights of seats, in the height of the hips
+SEAT_RANGE = 0.25, 0.8  # heights of seats, in the height of the hips
 SEAT_STANDOFF = 0.17  # of the feet before a seat of another room, in heights
 SQUARE = 1.25  # length of a thing in its width, up to which one sits on any of its sides
 SEAT_PITCH = 0.48  # length of a thing that one person takes up in sitting [m]

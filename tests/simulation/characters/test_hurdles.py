@@ -31,7 +31,7 @@ def soles_over_slab(play: Play) -> np.ndarray:
 
 @pytest.mark.slow
 def test_a_walker_that_looks_ahead_steps_over_a_slab_and_goes_straight_on() -> None:
-    play = crossing(-1.6, 4.0, "  - {at: 0, who: ann, do: {go_to: [1.6, 0]}}\n")
+    play = crossing(-1.6, 6.0, "  - {at: 0, who: ann, do: {go_to: [1.6, 0]}}\n")
     assert play.when("ann")
     assert np.abs(play.joint("ann", "pelvis")[:, 2]).max() < 0.15
     assert soles_over_slab(play).min() > RISE
@@ -46,7 +46,7 @@ def test_a_runner_that_looks_aside_trips_falls_and_gets_up() -> None:
         "  - {at: 0, who: ann, do: {speed: 3}}\n"
         "  - {at: 0.1, who: ann, do: {go_to: [5, 0]}}\n"
     )
-    play = crossing(-2.6, 6.5, script)
+    play = crossing(-3.6, 7.5, script)
     pelvis = play.joint("ann", "pelvis")
     assert play.records["trips"].max() == 1
     assert pelvis[:, 1].min() < 0.45

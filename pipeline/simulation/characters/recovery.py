@@ -12,7 +12,7 @@ from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 FALLEN_HEIGHT, FALLEN_STUN = 0.5, 0.3  # of the pelvis, in leg lengths; slackness in a fall
 LYING_TIME = 0.7  # before a person gathers itself [s]
 GATHERING_TIME = 0.8  # in which its feet come below it [s]
-LYING_SLACKNESS = 0.45  # of the muscles of one that lies
+LYING_SLACKNESS = 0.7  # of the muscles of one that lies
 RISING_CROUCH, RISING_BOW = 0.6, 0.8  # from which it rises, of the legs; as a tangent
 
 

@@ -86,6 +86,8 @@ def _trip(person: Record, k: int, arrays: CharacterArrays, solids: Solids, h: fl
     person.lean_rate[0] += LEAN_RATE * strength * x
     person.lean_rate[1] += LEAN_RATE * strength * z
     if falls:
+        # Until it rises, it neither walks on nor holds itself up.
+        person.down_time = h
         nodes, foot = arrays.nodes, person.ankles[k, 1]
         for n in range(NODE_COUNT):
             if KNEE <= n < KNEE + 2 or n >= FOOT:

@@ -88,7 +88,7 @@ def test_a_square_thing_is_sat_on_from_the_side_that_one_comes_from(
 @pytest.mark.parametrize(
     ("thing", "text"),
     [
-        ("character: box, scale: 1.6, at: [0, 0]", "too high: 0.80 m"),
+        ("character: box, scale: 1.6, at: [0, 0]", "too high: 0.78 m"),
         ("character: box, scale: 0.3, at: [0, 0]", "too low: 0.15 m"),
         ("prop: {shape: box, size: [0.6, 0.9, 0.6]}, at: [0, 0.45, 0]", "too high: 0.90 m"),
     ],

@@ -29,7 +29,7 @@ def soles_over_slab(play: Play) -> np.ndarray:
     return np.concatenate(found) - float(play.records["ankle"][0, 0])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_walker_that_looks_ahead_steps_over_a_slab_and_goes_straight_on() -> None:
     play = crossing(-1.6, 6.0, "  - {at: 0, who: ann, do: {go_to: [1.6, 0]}}\n")
     assert play.when("ann")
@@ -39,7 +39,7 @@ def test_a_walker_that_looks_ahead_steps_over_a_slab_and_goes_straight_on() -> N
     assert play.records["trips"].max() == 0
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_runner_that_looks_aside_trips_falls_and_gets_up() -> None:
     script = (
         "  - {at: 0, who: ann, do: {look_at: post}}\n"

@@ -49,12 +49,6 @@ HEEL_RISE_START = 0.55  # fraction of the stance at which the heel rises at the 
 HEEL_RISE_ANGLE = math.radians(48.0)  # about the ball until lift-off
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 
-# How high a foot steps up or down at once, in leg lengths, and where else it may land.
-HIGHEST_RISE = 0.28
-RISE_TRIALS = 8  # places between the one asked for and the other foot
-RISE_TOLERANCE = 0.02  # by which a nearer foothold has to be lower
-LEAST_ADVANCE = 0.3  # ahead of the other foot, of the place asked for
-
 FASTEST_RAISE = 0.008  # of a swing under way, in a sub-step
 
 # How feet keep clear of the other leg. Lateral clearance is in half hip widths: as near as shins
@@ -217,10 +211,6 @@ def _choose_landing(
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
-    if share == 1.0:
-        # Once a swing, so that the foot does not dart to and fro.
-        person.longest_stride[k] = _longest_stride(person, k, x, z, frame, vertices)
-    x, z = _within_stride(person, k, x, z)
     y, _, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
@@ -230,49 +220,6 @@ def _choose_landing(
     )
     person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
     _raise_swing_height(person, k, share, frame, vertices)
-
-
-@compiled
-def _longest_stride(
-    person: Record, k: int, x: float, z: float, frame: Record, vertices: Array
-) -> float:
-    """Return how far ahead of the other foot a foothold may be to be no more than a riser above it.
-
-    On stairs a walker takes one tread at a time. Footholds nearer to the other foot are tried; it
-    is infinite where the one asked for is as good as these, and on decks [m].
-    """
-    other = _other_ankle(person, k)
-    base, leg = other[1] - person.ankle, leg_length(person)
-    height, _, is_on_deck = support_at(person, frame, vertices, x, z)
-    longest, least = math.inf, abs(height - base)
-    if least <= HIGHEST_RISE * leg or is_on_deck or person.stance_on_deck[1 - k] == 1:
-        return longest
-    ahead, right = _ahead_and_right(x - other[0], z - other[2], person.heading)
-    for i in range(1, RISE_TRIALS):
-        near = (1.0 - i / RISE_TRIALS * (1.0 - LEAST_ADVANCE)) * ahead
-        near_x, near_z = _place_ahead(person, other, near, right)
-        height, _, _ = support_at(person, frame, vertices, near_x, near_z)
-        rise = abs(height - base)
-        if rise < least - RISE_TOLERANCE * leg:
-            longest, least = near, rise
-    return longest
-
-
-@compiled
-def _place_ahead(person: Record, other: Vector, ahead: float, right: float) -> tuple[float, float]:
-    """Return the place so far ahead and to the right of the other foot."""
-    cos, sin = math.cos(person.heading), math.sin(person.heading)
-    return other[0] + ahead * cos + right * sin, other[2] - ahead * sin + right * cos
-
-
-@compiled
-def _within_stride(person: Record, k: int, x: float, z: float) -> tuple[float, float]:
-    """Return the foothold no farther ahead of the other foot than its longest stride."""
-    other = _other_ankle(person, k)
-    ahead, right = _ahead_and_right(x - other[0], z - other[2], person.heading)
-    if ahead <= person.longest_stride[k]:
-        return x, z
-    return _place_ahead(person, other, person.longest_stride[k], right)
 
 
 @compiled

@@ -79,9 +79,7 @@ PERSON = np.dtype(
         ("liftoff_yaw", "f8", 2),
         ("landing_yaw", "f8", 2),
         ("swing_height", "f8", 2),
-        # How far ahead of the other foot each swinging foot may land [m]; by how much the gait is
-        # slowed by a high step, as a fraction.
-        ("longest_stride", "f8", 2),
+        # By how much the gait is slowed by a high step, as a fraction.
         ("slowing", "f8"),
         ("pitch", "f8", 2),
         ("liftoff_pitch", "f8", 2),

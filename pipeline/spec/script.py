@@ -224,7 +224,7 @@ class Grapple(ConfigModel):
 class SitOn(ConfigModel):
     """Go to something and sit down on it."""
 
-    sit: Name = Field(description="On what: a bench or a box.")
+    sit: Name = Field(description="On what: a bench, a box, a rock or a low wall of seat height.")
 
 
 class Ride(ConfigModel):

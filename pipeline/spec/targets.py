@@ -60,8 +60,9 @@ GRASPABLE = TargetKind(THINGS | JOINTED, "a prop, a body or a character; hands h
 MOVABLE = TargetKind(THINGS | {"ragdoll"}, "a prop, a body or a thing among the characters")
 SEAT = TargetKind(
     frozenset({"box", "bench", "prop", "body"}),
-    "a bench or a box",
-    frozenset({"box", "cube", "brick", "cylinder"}),
+    "a bench, a box, a rock or what else has a top to sit on",
+    frozenset({"box", "cube", "brick", "cylinder", "prism", "hull", "mesh"})
+    | {"octahedron", "dodecahedron", "icosahedron"},
 )
 RIDEABLE = TargetKind(
     frozenset({"merry-go-round", "prop", "body"}),

@@ -24,6 +24,11 @@ from pipeline.simulation.characters.gait_timing import (
     smoothstep,
     wrap_angle,
 )
+from pipeline.simulation.characters.hurdles import (
+    clear_of_hurdle,
+    height_over_hurdle,
+    is_stepped_over,
+)
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -43,6 +48,8 @@ WALKING_FROUDE = 0.03  # speed below which a person does not walk, in √(g l)
 HEEL_RISE_START = 0.55  # fraction of the stance at which the heel rises at the earliest
 HEEL_RISE_ANGLE = math.radians(48.0)  # about the ball until lift-off
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
+
+FASTEST_RAISE = 0.008  # of a swing under way, in a sub-step
 
 # How feet keep clear of the other leg. Lateral clearance is in half hip widths: as near as shins
 # can pass, and as walkers place their feet. Other distances are in lateral clearances.
@@ -161,6 +168,7 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     other_foot = _other_ankle(person, k)
     person.pivot[k, 0], person.pivot[k, 1] = other_foot[0], other_foot[2]
     person.swing_height[k] = 0.0
+    person.hurdle_side[k] = 0
     _choose_landing(person, k, 1.0, 1.0, frame, vertices)
 
 
@@ -201,6 +209,8 @@ def _choose_landing(
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
     x, z = clear_of_edge(person, x, z)
+    if is_stepped_over(person):
+        x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
     y, _, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
@@ -209,7 +219,7 @@ def _choose_landing(
         z,
     )
     person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
-    _raise_swing_height(person, k, frame, vertices)
+    _raise_swing_height(person, k, share, frame, vertices)
 
 
 @compiled
@@ -223,17 +233,31 @@ def _other_ankle(person: Record, k: int) -> Vector:
 
 
 @compiled
-def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) -> None:
+def _raise_swing_height(
+    person: Record, k: int, share: float, frame: Record, vertices: Array
+) -> None:
+    """Raise the swing of a foot to clear what is below its way; at once if the share is 1."""
     a, b = row(person.liftoff_place, k), row(person.landing_place, k)
     run = run_blend(ground_speed(person), leg_length(person))
     clear = (0.035 + 0.02 * person.walk_blend + 0.13 * run) * leg_length(person)
-    for i in range(1, 6):
-        u = i / 6.0
-        x, y, z = a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])
+    is_over = is_stepped_over(person)
+    for i in range(5):
+        # Its way starts and ends slowly: at a quarter of the time it has gone a tenth of it.
+        u = 0.25 + 0.125 * i
+        s = _swing_progress(person, u)
+        x, y, z = a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])
         ground, _, _ = support_at(person, frame, vertices, x, z)
-        need = (ground + person.ankle + 0.5 * clear - y) / (4.0 * u * (1.0 - u))
+        ankle = ground + person.ankle + 0.5 * clear
+        if is_over:
+            ankle = max(ankle, height_over_hurdle(person, x, z, person.landing_yaw[k]))
+        need = (ankle - y) / (16.0 * (u * (1.0 - u)) ** 2)
         clear = max(clear, need)
-    person.swing_height[k] = max(person.swing_height[k], min(clear, 0.6 * leg_length(person)))
+    height = min(clear, 0.6 * leg_length(person))
+    # What comes in sight in mid-swing lifts the foot without a jerk.
+    most = person.swing_height[k] + FASTEST_RAISE * leg_length(person)
+    if share < 1.0 and height > most:
+        height = most
+    person.swing_height[k] = max(person.swing_height[k], height)
 
 
 @compiled

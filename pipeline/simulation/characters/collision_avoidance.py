@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.body_arrays import SOLID
+from pipeline.simulation.characters.hurdles import walks_into
 from pipeline.simulation.characters.person_record import FOOT as FEET
 from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.solid_arrays import Solids
@@ -39,7 +40,9 @@ def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) ->
         return
     for s in range(len(solids.bodies)):
         solid = solids.bodies[s]
-        if s != SOLID - person.deck and solid.is_present and _is_near(person, solid):
+        if s == SOLID - person.deck or walks_into(person, s):
+            continue
+        if solid.is_present and _is_near(person, solid):
             _limit_approach(person, mass, solids, s)
             if _obstruction(solid, mass) > 0.0:
                 _clear_feet(person, solids, s, h)

@@ -45,6 +45,9 @@ SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 EASY_STEP = 0.2  # onto a deck, in leg lengths, that takes no longer than others
+EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
+LIFT_SLOWING = 2.5  # by a high swing, in that by a high step
+SLOWING_RATE = 10.0  # at which the gait slows for a high step, and quickens after it [1/s]
 HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 
@@ -113,26 +116,31 @@ def gait_pace(person: Record) -> tuple[float, float]:
     speed = ground_speed(person)
     # In turns and after pushes, steps are as brisk as in a slow walk.
     rate = max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg))
-    return rate / (1.0 + HIGH_STEP_SLOWING * _high_step(person)), person.duty
+    return rate / (1.0 + person.slowing), person.duty
 
 
 @compiled
 def _high_step(person: Record) -> float:
-    """Return by how much a foot steps onto a deck or off it beyond an easy step, in leg lengths."""
-    rise = 0.0
+    """Return by how much a foot steps higher than with ease, in leg lengths."""
+    rise = lift = 0.0
     for k in range(2):
         changes = person.landing_on_deck[k] != person.liftoff_on_deck[k]
         if person.foot_state[k] == SWING and changes:
             rise = max(rise, abs(person.landing_place[k, 1] - person.liftoff_place[k, 1]))
-    return max(rise / leg_length(person) - EASY_STEP, 0.0)
+        if person.foot_state[k] == SWING:
+            lift = max(lift, person.swing_height[k])
+    leg = leg_length(person)
+    return max(rise / leg - EASY_STEP, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
 
 
 @compiled
 def follow_duty_factor(person: Record, dt: float) -> None:
-    """Let the stance fraction of a cycle follow the speed.
+    """Let the stance fraction of a cycle follow the speed, and the cycle the height of its steps.
 
     A runner who slows to a walk would otherwise hurry a foot in mid-swing to the end of its way.
     """
+    slowing = HIGH_STEP_SLOWING * _high_step(person)
+    person.slowing += (slowing - person.slowing) * (1.0 - math.exp(-SLOWING_RATE * dt))
     change = duty_factor(ground_speed(person), leg_length(person)) - person.duty
     person.duty += change * (1.0 - math.exp(-LENGTHENING_RATE * dt) if change > 0.0 else 1.0)
 

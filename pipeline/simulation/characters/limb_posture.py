@@ -41,6 +41,7 @@ from pipeline.simulation.characters.person_record import (
     SWING,
     SWINGING,
 )
+from pipeline.simulation.characters.recovery import RISING_BOW, RISING_CROUCH, is_down
 from pipeline.simulation.characters.trunk_posture import (
     Frame,
     chest_frame,
@@ -85,9 +86,13 @@ def advance_stoop(person: Record, dt: float) -> None:
         if person.arm_mode[k] == PLACED and person.sit_blend == 0.0:
             descent = max(descent, person.floor + height - 0.8 * arm - person.arm_target[k, 1])
     bow = min(max(descent, person.stoop_depth) / (BOW_RANGE * height), 1.0) * MAX_BOW
+    if is_down(person):
+        bow = max(bow, RISING_BOW)
     person.bow, person.bow_rate = spring_step(person.bow, person.bow_rate, bow, 4.0, dt)
     lowered = (person.belly + person.chest) * (1.0 - 1.0 / math.sqrt(1.0 + person.bow**2))
     crouch = min(max(descent - lowered, 0.0) / person.hip_height, MAX_CROUCH)
+    if is_down(person):
+        crouch = max(crouch, RISING_CROUCH)
     person.crouch, person.crouch_rate = spring_step(
         person.crouch, person.crouch_rate, crouch, 4.0, dt
     )

@@ -27,6 +27,7 @@ from pipeline.simulation.characters.gait_timing import (
     spring_step,
     wrap_angle,
 )
+from pipeline.simulation.characters.hurdles import notice_hurdles
 from pipeline.simulation.characters.limb_posture import advance_stoop, hold_arms, hold_legs
 from pipeline.simulation.characters.pelvis_motion import (
     advance_sitting,
@@ -43,7 +44,9 @@ from pipeline.simulation.characters.person_record import (
     PELVIS,
     STANCE,
 )
+from pipeline.simulation.characters.recovery import recover
 from pipeline.simulation.characters.solid_arrays import Solids
+from pipeline.simulation.characters.trip import catch_feet
 from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -230,16 +233,18 @@ def _drive_foot(person: Record, nodes: Records, k: int, dt: float) -> None:
 
 @compiled
 def control_people(
-    arrays: CharacterArrays, persons: Records, ground: Grid, solids: Solids, h: float
+    arrays: CharacterArrays, persons: Records, ground: Grid, solids: Solids, h: float, count: int
 ) -> None:
-    """Let all people act for a sub-step of `h` [s]."""
+    """Let all people act for a sub-step of `h` [s], one of a number in a step."""
     nodes, links, _, _, _, _, owners = arrays
     if len(persons) > 0 and persons[0].report_time == 0.0:
         avoid_people(persons)
+        notice_hurdles(arrays, persons, solids, count * h)
     for i in range(len(persons)):
         person = persons[i]
         follow_deck(person, nodes, owners, solids, h)
         update_stun(person, nodes, links, owners, h)
+        recover(person, nodes, h)
         if person.frozen:
             halt(person)
         else:
@@ -247,6 +252,7 @@ def control_people(
             stop_before_solids(person, owners[person.owner].mass, solids, h)
             slide_feet(person, nodes, h)
             advance_feet(person, ground.frame, ground.vertices, h)
+            catch_feet(person, arrays, solids, h)
             advance_sitting(person, h)
             turn_head(person, h)
             advance_stoop(person, h)

@@ -21,7 +21,9 @@ from pipeline.simulation.characters.gait_timing import (
     spring_step,
     wrap_angle,
 )
+from pipeline.simulation.characters.hurdles import hurdle_ease
 from pipeline.simulation.characters.person_record import FOOT, PELVIS, SITTING
+from pipeline.simulation.characters.recovery import is_down
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid
@@ -46,7 +48,7 @@ SITTING_TIME = 1.5  # to sit down or to stand up [s]
 def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
     """Advance the led place by one sub-step."""
     wx, wz = _walk_vector(person)
-    ease = _slope_slowdown(person, wx, wz, ground)
+    ease = _slope_slowdown(person, wx, wz, ground) * hurdle_ease(person)
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
     _advance_place(person, nodes, wx, wz, dt)
@@ -99,7 +101,7 @@ def _walk_vector(person: Record) -> tuple[float, float]:
     wx, wz = wx + person.sidestep[0], wz + person.sidestep[1]
     if person.evasion[0] != 0.0 or person.evasion[1] != 0.0:
         wx, wz = wx + person.evasion[0], wz + person.evasion[1]
-    if person.posture == SITTING or person.sit_blend > 0.03 or person.frozen:
+    if person.posture == SITTING or person.sit_blend > 0.03 or person.frozen or is_down(person):
         wx, wz = 0.0, 0.0
     speed = math.hypot(wx, wz)
     if speed > 1e-6 and not person.has_facing:

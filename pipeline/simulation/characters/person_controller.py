@@ -11,6 +11,11 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
 from pipeline.simulation.characters.deck_choice import Decks, deck_height
+from pipeline.simulation.characters.hurdles import (
+    DEEPEST_STEP_OVER,
+    HIGHEST_STEP_OVER,
+    STILL_SPEED,
+)
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
@@ -118,6 +123,24 @@ class CharacterView:
         things = (k for k in range(len(owners)) if k not in self.people)
         return tuple(
             k for k in things if owners["nodes"][k, 1] > 1 and owners["mass"][k] > LIGHT_MASS
+        )
+
+    def lying_things(self) -> list[int]:
+        """Return the numbers of limp people, and of balls that lie still."""
+        speeds = self.arrays.owners["speed"]
+        balls = [k for k in self._balls if speeds[k] < STILL_SPEED]
+        return [*self.limp_people, *balls]
+
+    @cached_property
+    def _balls(self) -> tuple[int, ...]:
+        return tuple(k for k, span in enumerate(self._spans) if span[1] == 1)
+
+    @cached_property
+    def limp_people(self) -> tuple[int, ...]:
+        """Numbers of limp people and dolls that are too heavy to be kicked away."""
+        owners = self.arrays.owners
+        return tuple(
+            k for k in self.people if not owners["acts"][k] and owners["mass"][k] > LIGHT_MASS
         )
 
     def number(self, name: str) -> int:
@@ -299,18 +322,26 @@ class PersonController:
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].
 
-        They are obstacles of other rooms, and things too heavy to be kicked away, other than the
-        deck that the person stands on or is about to.
+        They are obstacles of other rooms, things too heavy to be kicked away, and people that lie
+        there, other than the deck that the person stands on or is about to, what it steps over,
+        and what its task is about.
         """
         circles, found = self.view.obstacle_circles, NO_CIRCLES
         if circles.update():
             others = circles.keys // MAX_CIRCLES != SOLID - self.record.deck
+            leg = float(self.record.hip_height)
+            low = (circles.rises < HIGHEST_STEP_OVER * leg) & (
+                circles.depths < DEEPEST_STEP_OVER * leg
+            )
+            others &= ~low
             found = circles.middles[others], circles.radii[others]
         owners = self.view.arrays.nodes["owner"]
         held = {int(owners[node]) for k in range(2) if (node := self.held_node(k)) >= 0}
         if self.record.deck_share > 0.0:
             held.add(int(self.record.deck))
         things = [self.view.circle(k) for k in self.view.heavy_things if k not in held]
+        held.update(self.record.act_things.tolist())
+        things += [self.view.circle(k) for k in self.view.lying_things() if k not in held]
         if not things:
             return found
         middles = np.concatenate([found[0], [middle for middle, _ in things]])

@@ -79,6 +79,8 @@ PERSON = np.dtype(
         ("liftoff_yaw", "f8", 2),
         ("landing_yaw", "f8", 2),
         ("swing_height", "f8", 2),
+        # By how much the gait is slowed by a high step, as a fraction.
+        ("slowing", "f8"),
         ("pitch", "f8", 2),
         ("liftoff_pitch", "f8", 2),
         ("ankles", "f8", (2, 3)),
@@ -196,6 +198,23 @@ PERSON = np.dtype(
         ("dance_start", "f8", (len(GUIDED_JOINTS), 3)),
         ("dance_end", "f8", (len(GUIDED_JOINTS), 3)),
         ("dance_arms", "f8", (len(GUIDED_FRAMES), 3, 3)),
+        # The low thing that its feet come upon: number of a character, SOLID - s of a solid, or
+        # NOBODY; x and z of its middle [m], cosine and sine of its long axis; half extents along
+        # and across, height above the ground [m]; time for which it has been in view [s], and
+        # whether it is seen. Of each foot, 1 if it lands behind the thing, -1 before it, 0 neither.
+        ("hurdle", "i8"),
+        ("hurdle_middle", "f8", 4),
+        ("hurdle_half", "f8", 2),
+        ("hurdle_rise", "f8"),
+        ("hurdle_time", "f8"),
+        ("hurdle_seen", "?"),
+        ("hurdle_side", "i8", 2),
+        # What its task is about, which is no hurdle: numbers of characters, SOLID - n of the thing
+        # n of another room, or NOBODY; how often it has tripped.
+        ("act_things", "i8", 2),
+        ("trips", "i8"),
+        # Time since it has fallen, 0 while it is up [s].
+        ("down_time", "f8"),
         # Target places of the nodes [m], now and one sub-step ago.
         ("targets", "f8", (NODE_COUNT, 3)),
         ("previous_targets", "f8", (NODE_COUNT, 3)),
@@ -229,6 +248,7 @@ def persons_of(
         person.node = first
         person.heading = headings[i]
         person.partner = person.kick_foot = person.deck = person.known_deck = -1
+        person.hurdle = person.act_things[:] = -1
         person.neighbour_distance = np.inf
         person.at[:] = at[i]
         person.floor = ground[i]

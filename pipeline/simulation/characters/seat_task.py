@@ -25,8 +25,9 @@ from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.spatial import Array
 
-SEAT_RANGE = 0.25, 0.75  # heights of seats, in the height of the hips
+SEAT_RANGE = 0.25, 0.8  # heights of seats, in the height of the hips
 SEAT_STANDOFF = 0.17  # of the feet before a seat of another room, in heights
+SQUARE = 1.25  # length of a thing in its width, up to which one sits on any of its sides
 SEAT_PITCH = 0.48  # length of a thing that one person takes up in sitting [m]
 SEAT_TURN_TOLERANCE = 0.08  # [rad]
 NEIGHBOUR_SPACE = 0.75  # distance to those beside a seat that a person accepts, in its pitch
@@ -103,11 +104,27 @@ def bench_of(nodes: Array, at: Array, facing: float | None = None) -> Bench:
     front = at - middle[[0, 2]]
     if facing is not None:
         front = np.array([math.cos(facing), -math.sin(facing)])
+    if _is_as_long_as_wide(flat, ahead):
+        aside = np.array([ahead[2], 0.0, -ahead[0]])
+        if abs(float(aside[[0, 2]] @ front)) > abs(float(ahead[[0, 2]] @ front)):
+            ahead = aside
     if ahead[0] * front[0] + ahead[2] * front[1] < 0.0:
         ahead = -ahead
     along = np.array([-ahead[2], 0.0, ahead[0]])
     half_depth, half_length = (float((flat @ axis).max()) for axis in (ahead, along))
     return Bench(middle, ahead, half_depth, half_length, float(nodes[:, 1].max()))
+
+
+def _is_as_long_as_wide(flat: Array, ahead: Array) -> bool:
+    """Tell whether a thing has one seat whichever side one sits on.
+
+    Args:
+        flat: (n, 3) its nodes from its middle, on the ground [m].
+        ahead: (3,) direction across its longer side.
+    """
+    along = np.array([-ahead[2], 0.0, ahead[0]])
+    depth, length = float(np.ptp(flat @ ahead)), float(np.ptp(flat @ along))
+    return length < min(SQUARE * depth, 2.0 * SEAT_PITCH)
 
 
 @dataclass
@@ -167,8 +184,10 @@ class SitOn(Task):
         if self.number is None or (self.stage == 1 and person.sit_blend >= 1.0):
             return self.number is not None
         bench = self._bench(controller)
-        if self.owner < 0:
+        if self.stage == 0 or self.owner < 0:
             self.failure = _seat_failure(bench.top, controller)
+            if self.failure:
+                return False
         distance, back = self._standoff(controller, bench)
         if self.stage == 0:
             self._walk(controller, bench, distance, dt)

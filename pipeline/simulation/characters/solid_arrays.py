@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from functools import cache
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -198,6 +198,15 @@ class SolidTracker:
         self._movable = np.array(
             [obstacle.mass_properties is not None for obstacle in self.obstacles], dtype=bool
         )
+
+    @cached_property
+    def thing_numbers(self) -> dict[str, int]:
+        """Numbers of the things of solids by the names of their members."""
+        return {
+            name: int(solid["thing"])
+            for obstacle, solid in zip(self.obstacles, self.solids.bodies, strict=True)
+            for name in (obstacle.performer, obstacle.name)
+        }
 
     def masses(self) -> dict[str, float]:
         """Return the masses of movable solids by the names of their members [kg]."""

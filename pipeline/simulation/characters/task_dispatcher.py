@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pipeline.simulation.characters.act_things import mark_act_things
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
@@ -244,6 +245,7 @@ class TaskDispatcher:
             if self._tasks[k] is not None and not rests:
                 self._advance(k, controller)
             task = self._tasks[k]
+            mark_act_things(controller, task)
             if task is None or not task.leads_hands:
                 _hold(controller, may_grip)
             if k in givings:

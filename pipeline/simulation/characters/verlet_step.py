@@ -139,7 +139,7 @@ def advance(
         arrays.links[n].energy = arrays.links[n].blow
         arrays.links[n].blow = 0.0
     for n in range(count):
-        control_people(arrays, persons, grid, workspace.solids, h)
+        control_people(arrays, persons, grid, workspace.solids, h, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
     _update_pain(arrays.links, arrays.owners, dt)
     update_sleep(arrays.nodes, arrays.links, arrays.owners, arrays.grips, h, dt)

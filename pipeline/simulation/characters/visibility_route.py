@@ -27,6 +27,7 @@ from pipeline.simulation.terrain import Ground
 
 STEP_OVER_HEIGHT, HEADROOM = 0.07, 1.9  # of solids that are no obstacle [m]
 LIGHT_MASS = 15.0  # of movable solids that are walked into: a quarter of a person [kg]
+LIFTED = 0.15  # of the lowest point of a solid, up to which it lies on the ground [m]
 MAX_CIRCLES = 32  # of one solid
 
 
@@ -41,6 +42,8 @@ class ObstacleCircles:
         radii: (n,) [m].
         keys: (n,) numbers that a circle keeps while its solid stays as it lies.
         things: (n,) numbers of their things: limbs of one creature are one thing.
+        rises: (n,) heights of their tops above the ground; ∞ of what is not above it [m].
+        depths: (n,) least extents on the ground of their solids [m].
     """
 
     def __init__(self, ground: Ground) -> None:
@@ -55,6 +58,7 @@ class ObstacleCircles:
         self.middles, self.radii = np.zeros((0, 2)), np.zeros(0)
         self.keys: IntArray = np.zeros(0, dtype=np.int64)
         self.things: IntArray = np.zeros(0, dtype=np.int64)
+        self.rises, self.depths = np.zeros(0), np.zeros(0)
 
     def update(self) -> bool:
         """Update the circles from the solids; tell whether there are any."""
@@ -80,6 +84,8 @@ class ObstacleCircles:
         is_obstacle = (middle[:, 1] + half_height > floor + STEP_OVER_HEIGHT) & (
             middle[:, 1] - half_height < floor + HEADROOM
         )
+        rises = np.where(middle[:, 1] - half_height > floor + LIFTED, np.inf, middle[:, 1] - floor)
+        self._rises = (rises + half_height)[is_obstacle]
         self._place_circles(
             indices[is_obstacle],
             middle[is_obstacle][:, [0, 2]],
@@ -113,6 +119,7 @@ class ObstacleCircles:
         self.radii = radii[row]
         self.keys = indices[row] * MAX_CIRCLES + number
         self.things = self._solids["thing"][indices[row]]
+        self.rises, self.depths = self._rises[row], 2.0 * half_width[row]
 
 
 CLEARANCES = (0.32, 0.16, 0.04)  # to obstacles; the widest that leaves a path is used [m]

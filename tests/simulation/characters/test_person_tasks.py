@@ -414,7 +414,10 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         ("{at: 0, who: a, do: {hug: a}}", "'a' cannot do that to itself"),
         ("{at: 0, who: a, do: {grab: doll, part: arm}}", "no part of 'doll' is called 'arm'"),
         ("{at: 0, who: a, do: {grab: ball, part: head}}", "'ball' has no named parts"),
-        ("{at: 0, who: a, do: {sit: doll}}", "'doll' is a ragdoll; name a bench or a box"),
+        (
+            "{at: 0, who: a, do: {sit: doll}}",
+            "'doll' is a ragdoll; name a bench, a box, a rock or what else",
+        ),
         ("{at: 0, who: a, do: hop}", "is a child or an adult, for which hop is no order"),
         ("{at: 0, who: doll, do: stop}", "'doll' is a ragdoll, which no script moves"),
         ("{at: 0, who: bug, do: sit}", "'bug' is a creature that walks, for which sit is no order"),

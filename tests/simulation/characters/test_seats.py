@@ -74,3 +74,34 @@ def test_seats_are_along_a_bench_and_face_who_comes_first(turn: float) -> None:
     behind = bench_of(nodes, -2.0 * np.array([c, -s]), facing=turn)
     assert behind.ahead == pytest.approx(bench.ahead)
     assert behind.coordinates(-2.0 * np.array([c, -s])) == pytest.approx((0.0, -2.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("at", [(2.0, 0.3), (-0.2, -2.0), (-2.0, 0.5)])
+def test_a_square_thing_is_sat_on_from_the_side_that_one_comes_from(
+    at: tuple[float, float],
+) -> None:
+    bench = bench_of(CORNERS * 0.5, np.array(at))
+    assert bench.seat_count == 1
+    assert float(bench.ahead[[0, 2]] @ np.array(at)) == pytest.approx(max(map(abs, at)))
+
+
+@pytest.mark.parametrize(
+    ("thing", "text"),
+    [
+        ("character: box, scale: 1.6, at: [0, 0]", "too high: 0.78 m"),
+        ("character: box, scale: 0.3, at: [0, 0]", "too low: 0.15 m"),
+        ("prop: {shape: box, size: [0.6, 0.9, 0.6]}, at: [0, 0.45, 0]", "too high: 0.90 m"),
+    ],
+)
+def test_what_is_no_seat_is_given_up_with_a_note(thing: str, text: str) -> None:
+    scene = (
+        "pronk: 1\nduration: 0.6\ncast:\n  - {name: a, character: adult, at: [-1.2, 0]}\n"
+        f"  - {{name: seat, {thing}}}\nscript:\n  - {{at: 0.1, who: a, do: {{sit: seat}}}}\n"
+        "  - {when: {failed: a, act: sit}, who: a, do: freeze}\n"
+    )
+    take = simulate(read_scene(scene))
+    sit, freeze = take.orders
+    assert sit.outcome == "given up"
+    assert freeze.step >= sit.end > 0
+    (note,) = take_notes(take, Clock(take.header.rate, 15))
+    assert text in note.text

@@ -1,0 +1,30 @@
+"""Act things: what the task of a person is about, over which its feet do not mean to step."""
+
+from __future__ import annotations
+
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
+from pipeline.simulation.characters.person_controller import PersonController
+from pipeline.simulation.characters.person_tasks import Task
+from pipeline.simulation.characters.second_try import StepAside
+
+
+def mark_act_things(controller: PersonController, task: Task | None) -> None:
+    """Write what a task is about into the record of its person.
+
+    What it steps aside from for a second try stays what it is about.
+    """
+    if isinstance(task, StepAside):
+        return
+    view, found = controller.view, list[int]()
+    if task is not None:
+        owner = getattr(task, "owner", NOBODY)
+        found += [owner] if owner >= 0 else []
+        numbers = view.decks.tracker.thing_numbers
+        for name in task.members:
+            if (owner := view.owner(name)) >= 0:
+                found.append(owner)
+            elif name in numbers:
+                found.append(SOLID - numbers[name])
+    marks = controller.record.act_things
+    for k in range(len(marks)):
+        marks[k] = found[k] if k < len(found) else NOBODY

@@ -30,6 +30,7 @@ from pipeline.simulation.characters.dance_task import (
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import PLACED, REACHING, persons_of
 from pipeline.simulation.characters.pose_output import BallRotations, eye_aims, frame_poser
@@ -87,10 +88,11 @@ class Characters(Troupe):
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)
         view.decks.start_on(self.persons)
-        self.signals = SignalDetector(self.dispatcher)
+        self.pains = PainRise(self.arrays.owners, self.persons)
+        self.signals = SignalDetector(self.dispatcher, self.pains)
         owners = [int(owner) for owner in self.persons["owner"]]
         obediences = [cast[owner].obedience for owner in owners]
-        self.reflexes = PainReflexes(self.dispatcher, obediences)
+        self.reflexes = PainReflexes(self.dispatcher, obediences, self.pains)
         self.minds = self._start_minds(view)
         channels = self.minds.channels if self.minds is not None else ()
         # The acting people first, in the order of their records, then the limp ones.
@@ -143,7 +145,7 @@ class Characters(Troupe):
         dt = self.world.clock.dt
         return MindScheduler(
             *(self.cast, self.dispatcher, self.persons, surroundings),
-            *(self.world.seed, dt, dt / self.count, self.world.attitudes),
+            *(self.world.seed, dt, dt / self.count, self.pains, self.world.attitudes),
         )
 
     def _start_persons(self) -> Records:
@@ -218,11 +220,12 @@ class Characters(Troupe):
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
         self.reflexes.react(step * self.world.clock.dt)
-        for controller in self.dispatcher.controllers:
+        for controller in self.dispatcher.acting:
             for name, v in controller.kicked_bodies:
                 self.solid_tracker.set_velocity(name, v)
         before = self.arrays.p[self._balls]
         self.move()
+        self.pains.update()
         self._roll_balls(before)
         world, people = self.world, (self._names, self._masses)
         steps = footfalls(

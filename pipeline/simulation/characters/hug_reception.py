@@ -51,10 +51,11 @@ class HugReception:
     def advance(self, dt: float) -> None:
         """Let all that are to be hugged accept, decline, and see to the hug."""
         dispatcher = self._dispatcher
-        for k in range(len(dispatcher.controllers)):
-            task = dispatcher.task(k)
+        for k in tuple(self._waited):
+            if not isinstance(dispatcher.task(k), Hug):
+                del self._waited[k]
+        for k, task in dispatcher.busy():
             if not isinstance(task, Hug):
-                self._waited.pop(k, None)
                 continue
             partner = dispatcher.index(dispatcher.view.names[task.owner])
             if partner is None or not dispatcher.is_ordered(k):

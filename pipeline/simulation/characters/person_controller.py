@@ -458,6 +458,17 @@ class PersonController:
         nodes["grip_length"][hand] = nodes["radius"][node] if is_ball else 0.0
 
     @cached_property
+    def owner(self) -> int:
+        """Number of the person among the owners."""
+        return int(self.record.owner)
+
+    @property
+    def is_gripping(self) -> bool:
+        """Whether a hand grips a node, or the other hand."""
+        grips, first = self.view.arrays.grips, self._first_grip
+        return bool(max(grips[first, 1], grips[first + 1, 1], grips[first + JOINED_GRIP, 1]) >= 0)
+
+    @cached_property
     def _first_grip(self) -> int:
         return int(self.record.grip)
 

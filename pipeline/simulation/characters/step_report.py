@@ -13,6 +13,7 @@ from pipeline.simulation.characters.body_arrays import SOLID, TERRAIN, Character
 from pipeline.simulation.characters.character_plans import LINK_NAMES, PEOPLE
 from pipeline.simulation.characters.contact_response import TouchLog
 from pipeline.simulation.characters.hug_tasks import HUG, Hug
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import DECK_MATERIAL, MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -249,14 +250,16 @@ class Voice(NamedTuple):
 
 
 class SignalDetector:
-    """The onsets of pains, voices and hugs of all acting people of a troupe."""
+    """The onsets of pains, voices and hugs of all acting people of a troupe.
 
-    def __init__(self, dispatcher: TaskDispatcher) -> None:
-        self._dispatcher = dispatcher
-        self._owners = [int(person.record.owner) for person in dispatcher.controllers]
-        self._pain: Array = np.zeros(len(self._owners))
-        self._pains_now = dispatcher.view.arrays.owners["pain"]
-        self._hugged: list[Hug | None] = [None for _ in self._owners]
+    Args:
+        dispatcher: of their tasks.
+        pains: of the people.
+    """
+
+    def __init__(self, dispatcher: TaskDispatcher, pains: PainRise) -> None:
+        self._dispatcher, self._pain = dispatcher, pains
+        self._hugged = dict[int, Hug]()
 
     def signals(self, voices: Sequence[Voice] = ()) -> tuple[Signal, ...]:
         """Return the signals that began in the last step.
@@ -267,13 +270,12 @@ class SignalDetector:
         return (*self._pains(), *(self._voiced(voice) for voice in voices), *self._hugs())
 
     def _pains(self) -> Iterator[Signal]:
-        view = self._dispatcher.view
-        before, self._pain = self._pain, self._pains_now[self._owners]
-        added = self._pain - before
-        if not len(added) or float(added.max()) <= CRY.pain:
+        view, added = self._dispatcher.view, self._pain.added
+        if self._pain.largest <= CRY.pain:
             return
         for k in np.flatnonzero(added > CRY.pain).tolist():
-            cause = hardest_toucher(view.arrays, self._owners[k])
+            owner = int(self._dispatcher.controllers[k].record.owner)
+            cause = hardest_toucher(view.arrays, owner)
             name = view.names[cause] if cause >= 0 else ""
             pain = float(added[k])
             yield Signal("pain", self._dispatcher.controllers[k].name, name)
@@ -284,14 +286,13 @@ class SignalDetector:
         return self._sounding(*voice[:3], "head", voice.strength, CRY.throat)
 
     def _hugs(self) -> Iterator[Signal]:
-        for k in range(len(self._owners)):
-            task = self._dispatcher.task(k)
-            is_closed = isinstance(task, Hug) and task.touched > HUG.closing_time
-            hug = task if isinstance(task, Hug) and is_closed else None
-            if hug is not None and hug is not self._hugged[k]:
-                strength = ARM_CLOSING_SPEED * hug.size
-                yield self._sounding("hug", k, hug.owner, "chest", strength, HUG_SOUND_SIZE)
-            self._hugged[k] = hug
+        before, self._hugged = self._hugged, {}
+        for k, task in self._dispatcher.busy():
+            if isinstance(task, Hug) and task.touched > HUG.closing_time:
+                if task is not before.get(k):
+                    strength = ARM_CLOSING_SPEED * task.size
+                    yield self._sounding("hug", k, task.owner, "chest", strength, HUG_SOUND_SIZE)
+                self._hugged[k] = task
 
     def _sounding(
         self, kind: str, k: int, other: int, part: str, strength: float, heights: float

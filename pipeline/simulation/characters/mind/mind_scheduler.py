@@ -15,7 +15,7 @@ from pipeline.simulation.characters.behaviours.registry import (
     behaviour_number,
     behaviours_of,
 )
-from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
+from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.carousel_pose import way_off_deck
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.consent import Consent
@@ -23,6 +23,7 @@ from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import Surroundings, notice
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
@@ -62,6 +63,7 @@ class MindScheduler:
         seed: of the scene.
         dt: a step [s].
         sub_step: [s].
+        pains: of all acting people.
         attitudes: of people towards others, by the relations of the story.
 
     Attributes:
@@ -78,6 +80,7 @@ class MindScheduler:
         seed: int,
         dt: float,
         sub_step: float,
+        pains: PainRise,
         attitudes: Attitudes = MappingProxyType({}),
     ) -> None:
         self.voices: list[Voice] = []
@@ -115,10 +118,8 @@ class MindScheduler:
         consents = map(Consent, self.minds)
         dispatcher.minded = dict(zip(self._indices, consents, strict=True))
         self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
-        self._owners: IntArray = self._arrays.minds["owner"].copy()
         self._values = np.array([self._values_of(mind) for mind in self.minds])
-        self._pain: Array = np.zeros(len(self._owners))
-        self._pains_now = surroundings.view.arrays.owners["pain"]
+        self._pains = pains
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -157,7 +158,7 @@ class MindScheduler:
 
     def read(self, orders: Orders) -> None:
         """Accept the urges that the script sets."""
-        for mind in self.minds:
+        for mind in self.minds if orders else ():
             for order in orders.get(mind.controller.name, ()):
                 if isinstance(order, SetUrges):
                     mind.biases = {} if not order.urge else {**mind.biases, **order.urge}
@@ -241,11 +242,9 @@ class MindScheduler:
     def _feel_blows(self, now: float) -> set[int]:
         """Let minds feel the blows of the last step; return the indices of those hurt."""
         self.voices.clear()
-        pain = self._pains_now[self._owners]
-        added = pain - self._pain
-        self._pain = pain
-        if not len(added) or float(added.max()) <= 0.0:
+        if self._pains.largest <= 0.0:
             return set()
+        added = self._pains.added[self._indices]
         hurt = np.flatnonzero(added > 0.0).tolist()
         for n in hurt:
             mind, blow = self.minds[n], float(added[n])

@@ -102,7 +102,8 @@ class Characters(Troupe):
         self.inventory = replace(self._poser.inventory, channels=channels, faces=faces)
         balls = [thing.nodes[0] for thing in self._poser.things if thing.axes is None]
         self._balls = np.array(balls, dtype=np.int64)
-        self.ball_rotations = BallRotations(self.arrays.nodes["radius"][self._balls])
+        self.ball_rotations = BallRotations(self.arrays.nodes, self._balls)
+        self._ball_floor: Array = np.full(len(balls), self.grid.vertices[0, 1])
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
@@ -216,6 +217,7 @@ class Characters(Troupe):
     def advance(self, step: int) -> None:
         """Advance from `step` to the next."""
         rest_dances(self.persons)
+        self.dispatcher.view.decks.forget_poses()
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
@@ -223,10 +225,9 @@ class Characters(Troupe):
         for controller in self.dispatcher.acting:
             for name, v in controller.kicked_bodies:
                 self.solid_tracker.set_velocity(name, v)
-        before = self.arrays.p[self._balls]
         self.move()
         self.pains.update()
-        self._roll_balls(before)
+        self._roll_balls()
         world, people = self.world, (self._names, self._masses)
         steps = footfalls(
             self.persons, *people, world.ground, world.clock, step, self.contact_reporter
@@ -234,11 +235,13 @@ class Characters(Troupe):
         strikes = dance_contacts(self.dispatcher, self.cast, world.clothes, step)
         voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
-        self._facts = replace(
-            done,
+        self._facts = Facts(
             contacts=self.contact_reporter.contacts(self.log, step) + steps + strikes,
+            arrived=done.arrived,
             touched=self.contact_reporter.touched(self.log) + done.touched,
             signals=self.signals.signals(voices),
+            outcomes=done.outcomes,
+            grips=done.grips,
         )
 
     def move(self) -> None:
@@ -248,14 +251,13 @@ class Characters(Troupe):
             *(GRAVITY, self.world.clock.dt, self.count),
         )
 
-    def _roll_balls(self, before: Array) -> None:
+    def _roll_balls(self) -> None:
         if not len(self._balls):
             return
-        p = self.arrays.p[self._balls]
-        floor = self.grid.vertices[0, 1]
         if not self.level:
-            floor = self.world.ground.height(p[:, 0], p[:, 2])
-        self.ball_rotations.advance(p - before, p[:, 1] - floor)
+            p = self.arrays.p[self._balls]
+            self._ball_floor = self.world.ground.height(p[:, 0], p[:, 2])
+        self.ball_rotations.advance(self._ball_floor)
 
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""

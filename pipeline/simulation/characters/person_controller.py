@@ -591,6 +591,7 @@ class PersonController:
         for node in nodes:
             v = 0.5 * dt * force * arrays.nodes["inverse_mass"][node]
             arrays.nodes["previous"][node] -= h * v
+        self.view.decks.forget_rates()
 
     def part_from_bars(self, dt: float) -> None:
         """Let hands that have opened around bars meet them again after a while [s]."""

@@ -18,7 +18,7 @@ from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import DECK_MATERIAL, MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.dynamics.compiled import Record, Records
+from pipeline.simulation.dynamics.compiled import Record, Records, entry
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.signals import Signal
@@ -91,7 +91,7 @@ class ContactReporter:
     def contacts(self, log: TouchLog, step: int) -> tuple[Contact, ...]:
         """Return the touches of a step, except for the feet of walkers."""
         found = []
-        for event in log.events[: int(log.filled[0])]:
+        for event in log.events[: log.filled[0]] if log.filled[0] else ():
             member = self._member(int(event["link"]))
             name = self._link_name(member, int(event["link"]))
             if event["other"] == TERRAIN and member.acts and name in FOOTFALL_LINKS:
@@ -102,7 +102,7 @@ class ContactReporter:
     def touched(self, log: TouchLog) -> tuple[tuple[str, str], ...]:
         """Return the pairs of performers that began to touch in a step."""
         pairs = dict[tuple[str, str], None]()
-        for event in log.events[: int(log.filled[0])]:
+        for event in log.events[: log.filled[0]] if log.filled[0] else ():
             other = int(event["other"])
             if other == TERRAIN:
                 continue
@@ -186,10 +186,9 @@ def footfalls(
         step: that was taken.
         reporter: knows what feet stand on.
     """
-    touchdowns = persons["touchdowns"]
-    persons["report_time"] = 0.0
-    if not touchdowns.any():
+    if not _has_touchdowns(persons):
         return ()
+    touchdowns = persons["touchdowns"]
     people, feet = np.nonzero(touchdowns)
     places = persons["stance_place"][people, feet]
     normals = ground.field.normal(places[:, 0], places[:, 2]).tolist()
@@ -201,6 +200,16 @@ def footfalls(
         found.append(_footfall(persons[n], k, names[n], mass, normal, below, clock, step))
     touchdowns[:] = 0
     return tuple(found)
+
+
+@entry
+def _has_touchdowns(persons: Records) -> bool:
+    """Tell whether feet have touched down since the last report, and start a new one."""
+    found = False
+    for k in range(len(persons)):
+        persons[k].report_time = 0.0
+        found |= persons[k].touchdowns[0] != 0 or persons[k].touchdowns[1] != 0
+    return found
 
 
 def _footfall(

@@ -241,6 +241,7 @@ class TaskDispatcher:
         self._clear_facts()
         time = self._steps * self._dt
         self._steps += 1
+        self.view.decks.forget_poses()
         self.view.decks.update(self._persons)
         self._share_slots()
         self._form_crews()

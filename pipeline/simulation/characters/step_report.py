@@ -22,7 +22,6 @@ from pipeline.simulation.dynamics.compiled import Record, Records, entry
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.signals import Signal
-from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character

@@ -47,6 +47,7 @@ from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
 from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -108,7 +109,8 @@ class TaskDispatcher:
         self.minded: Mapping[int, Consent] = {}
         self.suspended = set[int]()
         self.controllers = [
-            PersonController(view.names[person.owner], person, view) for person in persons
+            PersonController(view.names[owner], record_view(persons, k), view)
+            for k, owner in enumerate(persons["owner"].tolist())
         ]
         self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0

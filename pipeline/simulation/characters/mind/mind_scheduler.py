@@ -19,6 +19,7 @@ from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.carousel_pose import way_off_deck
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.consent import Consent
+from pipeline.simulation.characters.mind.felt_emotions import show_feelings
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
@@ -38,6 +39,12 @@ from pipeline.spec.character import Character
 from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.relations import Attitudes
 from pipeline.spec.script import SetUrges
+
+CHANNELS = (
+    *(("anxiety", "1"), ("distance", "m"), ("focus", "1"), ("gaze", "1")),
+    ("behaviour", "1"),
+)
+"""Names and units of what the take tells of a mind."""
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
@@ -118,17 +125,20 @@ class MindScheduler:
         consents = map(Consent, self.minds)
         dispatcher.minded = dict(zip(self._indices, consents, strict=True))
         self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
-        self._values = np.array([self._values_of(mind) for mind in self.minds])
+        # Of the channels: nobody is looked at, and nothing done yet.
+        self._values = np.full((len(self.minds), len(CHANNELS)), float(NOBODY))
+        everybody = np.arange(len(self.minds))
+        show_feelings(self._arrays, everybody, np.zeros_like(self.felt), self._values)
+        self._numbers = self._arrays.minds["delight"], self._values[:, 3], self._values[:, 4]
         self._pains = pains
 
     @property
     def channels(self) -> tuple[Channel, ...]:
         """Channels of the take."""
-        kinds = (("anxiety", "1"), ("distance", "m"), ("focus", "1"), ("gaze", "1"))
         return tuple(
             Channel(f"{mind.controller.name}.{kind}", unit)
             for mind in self.minds
-            for kind, unit in (*kinds, ("behaviour", "1"))
+            for kind, unit in CHANNELS
         )
 
     def values(self) -> Array:
@@ -139,21 +149,14 @@ class MindScheduler:
         """
         return self._values.flatten()
 
-    @staticmethod
-    def _values_of(mind: Mind) -> tuple[float, ...]:
-        """Return the values of the channels of one mind, which change only when it thinks."""
-        focus, looked_at = mind.attention.focus, mind.glances.at
-        behaviour = behaviour_number(mind.doing)
-        return mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour
-
     def feelings(self) -> dict[str, dict[str, float]]:
         """Return what each mind feels now, by the names of `Feeling`."""
         return {
             mind.controller.name: {
-                **dict(zip(EMOTIONS, mind.emotions(), strict=True)),
+                **dict(zip(EMOTIONS, self.felt[k].tolist(), strict=True)),
                 "anxiety": mind.anxiety,
             }
-            for mind in self.minds
+            for k, mind in zip(self._indices, self.minds, strict=True)
         }
 
     def read(self, orders: Orders) -> None:
@@ -172,6 +175,7 @@ class MindScheduler:
         if turns:
             self._notice(turns, now)
         ordered = self._dispatcher.is_ordered
+        delights, gazes, behaviours = self._numbers
         before = {n: self.minds[n].doing for n in turns if not ordered(self._indices[n])}
         # All choose before any of them acts, so that their order has no effect.
         for n in before:
@@ -186,8 +190,10 @@ class MindScheduler:
                 mind.end_behaviour()
             mind.look()
             self._dispatcher.glance(k, mind.glances.at)
-            self._values[n] = self._values_of(mind)
-            self.felt[k] = mind.emotions()
+            delights[n], gazes[n] = mind.delight, mind.glances.at
+            behaviours[n] = behaviour_number(mind.doing)
+        if turns:
+            show_feelings(self._arrays, np.array(turns), self.felt, self._values)
 
     def _notice(self, turns: Sequence[int], now: float) -> None:
         """Let minds perceive, remember, feel and attend."""

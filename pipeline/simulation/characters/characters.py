@@ -104,6 +104,7 @@ class Characters(Troupe):
         self._balls = np.array(balls, dtype=np.int64)
         self.ball_rotations = BallRotations(self.arrays.nodes, self._balls)
         self._ball_floor: Array = np.full(len(balls), self.grid.vertices[0, 1])
+        self._views = [one.record for one in self.dispatcher.controllers]
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
@@ -228,7 +229,7 @@ class Characters(Troupe):
         self.move()
         self.pains.update()
         self._roll_balls()
-        world, people = self.world, (self._names, self._masses)
+        world, people = self.world, (self._views, self._names, self._masses)
         steps = footfalls(
             self.persons, *people, world.ground, world.clock, step, self.contact_reporter
         )

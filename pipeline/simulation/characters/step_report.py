@@ -32,6 +32,9 @@ FOOTFALL_LINKS = ("shin_l", "shin_r")
 LEG_MASS = SEGMENT_MASSES["thigh"] + SEGMENT_MASSES["shin"] + SEGMENT_MASSES["foot"]
 """Mass that comes down with a foot, as a fraction of the body."""
 
+LATEST = math.nextafter(1.0, 0.0)
+"""Greatest fraction of a step."""
+
 SKIN, SHOES = "skin", "leather"
 """Sound materials of people and of their steps."""
 
@@ -118,7 +121,7 @@ class ContactReporter:
         length, diameter = self._links["length_limits"][link, 0], 2.0 * self._links["radius"][link]
         return Contact(
             step=step,
-            fraction=min(float(event["moment"]), math.nextafter(1.0, 0.0)),
+            fraction=min(float(event["moment"]), LATEST),
             performer=member.name,
             part=f"{member.name}.{name}" if name else member.name,
             other=other_name,
@@ -167,6 +170,7 @@ def _material(member: Character) -> str:
 
 def footfalls(
     persons: Records,
+    views: Sequence[Record],
     names: Sequence[str],
     masses: Sequence[float],
     ground: Ground,
@@ -178,6 +182,7 @@ def footfalls(
 
     Args:
         persons: `PERSON` records.
+        views: of these.
         names: of the people.
         masses: of the people [kg].
         ground: the terrain.
@@ -193,10 +198,11 @@ def footfalls(
     normals = ground.field.normal(places[:, 0], places[:, 2]).tolist()
     found = []
     for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True):
-        if persons[n].stance_on_deck[k] == 1:
-            normal = persons[n].deck_axes[:, 1].tolist()
-        below, mass = reporter.ground_below(persons[n], k), masses[n] * LEG_MASS
-        found.append(_footfall(persons[n], k, names[n], mass, normal, below, clock, step))
+        person = views[n]
+        if person.stance_on_deck[k] == 1:
+            normal = person.deck_axes[:, 1].tolist()
+        below, mass = reporter.ground_below(person, k), masses[n] * LEG_MASS
+        found.append(_footfall(person, k, names[n], mass, normal, below, clock, step))
     touchdowns[:] = 0
     return tuple(found)
 
@@ -221,12 +227,11 @@ def _footfall(
     clock: Clock,
     step: int,
 ) -> Contact:
-    x, y, z = (float(c) for c in person.stance_place[k])
+    x, y, z = person.stance_place[k].tolist()
     speed = float(person.touchdown_speed[k])
-    latest = float(np.nextafter(1.0, 0.0))
     return Contact(
         step=step,
-        fraction=min(max(float(person.touchdown_time[k]) / clock.dt, 0.0), latest),
+        fraction=min(max(float(person.touchdown_time[k]) / clock.dt, 0.0), LATEST),
         performer=name,
         part=f"{name}.foot_{'lr'[k]}",
         other=below[0],

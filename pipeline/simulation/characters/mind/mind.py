@@ -33,6 +33,7 @@ from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Traits
 
@@ -115,7 +116,7 @@ class Mind:
         self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
         self._records = records
         self._arrays, self._number = arrays, number
-        self._state = arrays.minds[number]
+        self._state = record_view(arrays.minds, number)
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()

@@ -147,7 +147,8 @@ class Characters(Troupe):
         dt = self.world.clock.dt
         return MindScheduler(
             *(self.cast, self.dispatcher, self.persons, surroundings),
-            *(self.world.seed, dt, dt / self.count, self.pains, self.world.attitudes),
+            *(self.world.seed, dt, dt / self.count, self.pains),
+            attitudes=self.world.attitudes,
         )
 
     def _start_persons(self) -> Records:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from pipeline.simulation.characters.person_controller import CharacterView, PersonController
 from pipeline.simulation.characters.playthings import SPOKES
+from pipeline.simulation.dynamics.compiled import Records, compiled, entry
 from pipeline.simulation.spatial import Array
 
 GAP_ANGLE = 2.0 * math.pi / SPOKES
@@ -21,7 +23,7 @@ GAP_TOLERANCE = 0.16
 """Angle to the middle of a gap within which a person passes between two posts [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class CarouselPose:
     """A merry-go-round as it stands now. Angles are positive about +Y.
 
@@ -29,18 +31,37 @@ class CarouselPose:
         first: number of its first node.
         hub: (3,) the middle of its deck [m].
         radius: of the deck [m].
-        angle: of its first post [rad].
-        rate: at which it turns [rad/s].
         feet, tops: (SPOKES, 3) ends of its posts [m].
+        nodes: of the merry-go-round.
+        sub_step: [s].
     """
 
     first: int
     hub: Array
     radius: float
-    angle: float
-    rate: float
     feet: Array
     tops: Array
+    nodes: Records
+    sub_step: float
+
+    @cached_property
+    def angle(self) -> float:
+        """Angle of its first post [rad]."""
+        rim = self.feet - self.hub
+        angles = np.arctan2(-rim[:, 2], rim[:, 0]) - np.arange(SPOKES) * GAP_ANGLE
+        return math.atan2(float(np.sin(angles).sum()), float(np.cos(angles).sum()))
+
+    @cached_property
+    def rate(self) -> float:
+        """Rate at which it turned when first asked [rad/s]."""
+        return float(_turning_rate(self.nodes, self.sub_step))
+
+    def without_rate(self) -> CarouselPose:
+        """Return the same pose, whose rate is asked anew."""
+        made = object.__new__(CarouselPose)
+        made.__dict__.update(self.__dict__)
+        made.__dict__.pop("rate", None)
+        return made
 
     def angle_of(self, x: float, z: float) -> float:
         """Return the angle of a position about the hub [rad]."""
@@ -72,21 +93,51 @@ class CarouselPose:
 
 def carousel_pose(view: CharacterView, owner: int) -> CarouselPose:
     """Return a merry-go-round as it stands now."""
-    first = int(view.arrays.owners["nodes"][owner, 0])
-    nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
-    p, moved = nodes["p"], nodes["p"] - nodes["previous"]
-    rim, v = p[2 : 2 + SPOKES] - p[0], moved[2 : 2 + SPOKES] / view.sub_step
-    angles = np.arctan2(-rim[:, 2], rim[:, 0]) - np.arange(SPOKES) * GAP_ANGLE
-    squares = (rim * rim).sum(axis=1)
-    return CarouselPose(
-        first,
-        p[0].copy(),
-        float(np.sqrt(squares).mean() + nodes["radius"][0]),
-        math.atan2(float(np.sin(angles).sum()), float(np.cos(angles).sum())),
-        float(((rim[:, 2] * v[:, 0] - rim[:, 0] * v[:, 2]) / squares).mean()),
-        p[2 : 2 + SPOKES].copy(),
-        p[2 + SPOKES :].copy(),
-    )
+    pose = view.decks.poses.get(owner)
+    if pose is None:
+        first = int(view.arrays.owners["nodes"][owner, 0])
+        nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
+        p, radius = nodes["p"].copy(), float(_deck_radius(nodes))
+        ends = p[2 : 2 + SPOKES], p[2 + SPOKES :]
+        pose = CarouselPose(first, p[0], radius, *ends, nodes, view.sub_step)
+        view.decks.poses[owner] = pose
+    return pose
+
+
+@entry
+def _deck_radius(nodes: Records) -> float:
+    """Return the radius of a deck [m]."""
+    distances = np.empty(SPOKES)
+    for n in range(SPOKES):
+        distances[n] = math.sqrt(_square(nodes, n))
+    return _mean(distances) + nodes[0].radius
+
+
+@entry
+def _turning_rate(nodes: Records, h: float) -> float:
+    """Return how fast a merry-go-round turns, for sub-steps of `h` [rad/s], [s]."""
+    rates = np.empty(SPOKES)
+    for n in range(SPOKES):
+        hub, rim = nodes[0], nodes[2 + n]
+        x, z = rim.p[0] - hub.p[0], rim.p[2] - hub.p[2]
+        v_x, v_z = (rim.p[0] - rim.previous[0]) / h, (rim.p[2] - rim.previous[2]) / h
+        rates[n] = (z * v_x - x * v_z) / _square(nodes, n)
+    return _mean(rates)
+
+
+@compiled
+def _square(nodes: Records, n: int) -> float:
+    """Return the square of the distance of a post from the hub [m²]."""
+    hub, rim = nodes[0], nodes[2 + n]
+    x, y, z = rim.p[0] - hub.p[0], rim.p[1] - hub.p[1], rim.p[2] - hub.p[2]
+    return x * x + y * y + z * z
+
+
+@compiled
+def _mean(a: Array) -> float:
+    """Return the mean of SPOKES numbers, added in pairs, as NumPy does."""
+    total = ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7]))
+    return total / SPOKES
 
 
 def way_across_rim(

@@ -30,6 +30,7 @@ from pipeline.simulation.characters.dance_task import (
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import PLACED, REACHING, persons_of
 from pipeline.simulation.characters.pose_output import BallRotations, eye_aims, frame_poser
@@ -87,10 +88,11 @@ class Characters(Troupe):
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)
         view.decks.start_on(self.persons)
-        self.signals = SignalDetector(self.dispatcher)
+        self.pains = PainRise(self.arrays.owners, self.persons)
+        self.signals = SignalDetector(self.dispatcher, self.pains)
         owners = [int(owner) for owner in self.persons["owner"]]
         obediences = [cast[owner].obedience for owner in owners]
-        self.reflexes = PainReflexes(self.dispatcher, obediences)
+        self.reflexes = PainReflexes(self.dispatcher, obediences, self.pains)
         self.minds = self._start_minds(view)
         channels = self.minds.channels if self.minds is not None else ()
         # The acting people first, in the order of their records, then the limp ones.
@@ -100,7 +102,9 @@ class Characters(Troupe):
         self.inventory = replace(self._poser.inventory, channels=channels, faces=faces)
         balls = [thing.nodes[0] for thing in self._poser.things if thing.axes is None]
         self._balls = np.array(balls, dtype=np.int64)
-        self.ball_rotations = BallRotations(self.arrays.nodes["radius"][self._balls])
+        self.ball_rotations = BallRotations(self.arrays.nodes, self._balls)
+        self._ball_floor: Array = np.full(len(balls), self.grid.vertices[0, 1])
+        self._views = [one.record for one in self.dispatcher.controllers]
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
@@ -143,7 +147,8 @@ class Characters(Troupe):
         dt = self.world.clock.dt
         return MindScheduler(
             *(self.cast, self.dispatcher, self.persons, surroundings),
-            *(self.world.seed, dt, dt / self.count, self.world.attitudes),
+            *(self.world.seed, dt, dt / self.count, self.pains),
+            attitudes=self.world.attitudes,
         )
 
     def _start_persons(self) -> Records:
@@ -214,28 +219,31 @@ class Characters(Troupe):
     def advance(self, step: int) -> None:
         """Advance from `step` to the next."""
         rest_dances(self.persons)
+        self.dispatcher.view.decks.forget_poses()
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
         self.reflexes.react(step * self.world.clock.dt)
-        for controller in self.dispatcher.controllers:
+        for controller in self.dispatcher.acting:
             for name, v in controller.kicked_bodies:
                 self.solid_tracker.set_velocity(name, v)
-        before = self.arrays.p[self._balls]
         self.move()
-        self._roll_balls(before)
-        world, people = self.world, (self._names, self._masses)
+        self.pains.update()
+        self._roll_balls()
+        world, people = self.world, (self._views, self._names, self._masses)
         steps = footfalls(
             self.persons, *people, world.ground, world.clock, step, self.contact_reporter
         )
         strikes = dance_contacts(self.dispatcher, self.cast, world.clothes, step)
         voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
-        self._facts = replace(
-            done,
+        self._facts = Facts(
             contacts=self.contact_reporter.contacts(self.log, step) + steps + strikes,
+            arrived=done.arrived,
             touched=self.contact_reporter.touched(self.log) + done.touched,
             signals=self.signals.signals(voices),
+            outcomes=done.outcomes,
+            grips=done.grips,
         )
 
     def move(self) -> None:
@@ -245,14 +253,13 @@ class Characters(Troupe):
             *(GRAVITY, self.world.clock.dt, self.count),
         )
 
-    def _roll_balls(self, before: Array) -> None:
+    def _roll_balls(self) -> None:
         if not len(self._balls):
             return
-        p = self.arrays.p[self._balls]
-        floor = self.grid.vertices[0, 1]
         if not self.level:
-            floor = self.world.ground.height(p[:, 0], p[:, 2])
-        self.ball_rotations.advance(p - before, p[:, 1] - floor)
+            p = self.arrays.p[self._balls]
+            self._ball_floor = self.world.ground.height(p[:, 0], p[:, 2])
+        self.ball_rotations.advance(self._ball_floor)
 
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""

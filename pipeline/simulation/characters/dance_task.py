@@ -171,10 +171,10 @@ def dance_contacts(
 ) -> tuple[Contact, ...]:
     """Return the strikes of hands of people that dance, as contacts of a step."""
     found = list[Contact]()
-    for k, controller in enumerate(dispatcher.controllers):
-        task = dispatcher.task(k)
+    for k, task in dispatcher.busy():
         if not isinstance(task, Dance) or not task.strikes:
             continue
+        controller = dispatcher.controllers[k]
         person, name = controller.record, controller.name
         proportions = proportions_of(cast[int(person.owner)])
         assert proportions is not None

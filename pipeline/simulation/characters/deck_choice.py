@@ -10,16 +10,19 @@ import math
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterArrays
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterArrays, IntArray
 from pipeline.simulation.characters.deck_motion import STEEPEST_DECK
 from pipeline.simulation.characters.person_record import NODE_COUNT, STANCE
 from pipeline.simulation.characters.solid_arrays import SolidTracker
-from pipeline.simulation.dynamics.compiled import Record
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
 from pipeline.simulation.spatial import Array
+
+if TYPE_CHECKING:
+    from pipeline.simulation.characters.carousel_pose import CarouselPose
 
 NEAR_DECK = 1.5  # from the edge of a merry-go-round, within which a person heeds its deck [m]
 EDGE_ROOM = 0.15  # from the edge of a deck, farther in than which people start on it [m]
@@ -65,12 +68,14 @@ class Decks:
         tracker: of the solids of other rooms.
         carousels: the merry-go-rounds.
         boarding: names of people who are about to step onto each, by its number.
+        poses: of the merry-go-rounds in this step, by their numbers, as far as asked for.
     """
 
     arrays: CharacterArrays
     tracker: SolidTracker = field(default_factory=SolidTracker)
     carousels: Sequence[Carousel] = ()
     boarding: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
+    poses: dict[int, CarouselPose] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Find the merry-go-rounds: what runs on a bearing."""
@@ -83,13 +88,25 @@ class Decks:
             shape = DeckShape(np.array([0.0, rise, 0.0]), np.eye(3), (radius, radius), True)
             found.append(Carousel(owner, hub, shape))
         self.carousels = tuple(found)
+        numbers = [(carousel.owner, carousel.hub) for carousel in found]
+        self._numbers: IntArray = np.array(numbers, dtype=np.int64).reshape(-1, 2)
+        self._radii = np.array([carousel.shape.half[0] for carousel in found])
 
-    def update(self, persons: Sequence[Record]) -> None:
+    def update(self, persons: Records) -> None:
         """Let people heed the deck that they ride, or else a merry-go-round near them."""
-        for person in persons:
-            stays = person.deck <= SOLID and (person.deck_wanted or _stands_on_deck(person))
-            if not stays:
-                self._heed_carousel(person)
+        if not _heed_known_decks(persons, self.arrays.nodes, self._numbers, self._radii):
+            for person in persons:
+                if not _stays_on_solid(person):
+                    self._heed_carousel(person)
+
+    def forget_poses(self) -> None:
+        """Forget the poses of merry-go-rounds, which have moved."""
+        self.poses.clear()
+
+    def forget_rates(self) -> None:
+        """Forget how fast merry-go-rounds turn, for one has been pushed."""
+        for owner, pose in self.poses.items():
+            self.poses[owner] = pose.without_rate()
 
     def start_on(self, persons: Sequence[Record]) -> None:
         """Let people that start within a merry-go-round stand on its deck, and turn with it."""
@@ -192,14 +209,47 @@ def deck_height(person: Record, x: float, z: float) -> float:
     return float(middle[1] - (up[0] * (x - middle[0]) + up[2] * (z - middle[2])) / up[1])
 
 
+@entry
+def _heed_known_decks(persons: Records, nodes: Records, carousels: IntArray, radii: Array) -> bool:
+    """Tell whether all people heed the decks that they should already.
+
+    Args:
+        persons: `PERSON` records.
+        nodes: of all characters.
+        carousels: (n, 2) numbers of merry-go-rounds and of the nodes of their hubs.
+        radii: (n,) of their decks [m].
+    """
+    for k in range(len(persons)):
+        person = persons[k]
+        if _stays_on_solid(person):
+            continue
+        best, least = NOBODY, NEAR_DECK
+        for c in range(len(carousels)):
+            hub = nodes[carousels[c, 1]]
+            gap = math.hypot(person.at[0] - hub.p[0], person.at[1] - hub.p[2]) - radii[c]
+            if gap < least:
+                best, least = carousels[c, 0], gap
+        if person.deck != best:
+            return False
+    return True
+
+
+@entry
+def _stays_on_solid(person: Record) -> bool:
+    """Tell whether a person heeds the top of a solid, and goes on doing so."""
+    return person.deck <= SOLID and (person.deck_wanted or _stands_on_deck(person))
+
+
+@compiled
 def _stands_on_deck(person: Record) -> bool:
     """Tell whether a foot stands on the deck, or will."""
-    return any(
-        bool(person.stance_on_deck[k])
-        if person.foot_state[k] == STANCE
-        else bool(person.landing_on_deck[k] or person.liftoff_on_deck[k])
-        for k in range(2)
-    )
+    for k in range(2):
+        if person.foot_state[k] == STANCE:
+            if person.stance_on_deck[k]:
+                return True
+        elif person.landing_on_deck[k] or person.liftoff_on_deck[k]:
+            return True
+    return False
 
 
 def _set_deck(person: Record, deck: int, shape: DeckShape | None) -> None:

@@ -51,10 +51,9 @@ class HugReception:
     def advance(self, dt: float) -> None:
         """Let all that are to be hugged accept, decline, and see to the hug."""
         dispatcher = self._dispatcher
-        for k in range(len(dispatcher.controllers)):
-            task = dispatcher.task(k)
+        self._forget_waits()
+        for k, task in dispatcher.busy():
             if not isinstance(task, Hug):
-                self._waited.pop(k, None)
                 continue
             partner = dispatcher.index(dispatcher.view.names[task.owner])
             if partner is None or not dispatcher.is_ordered(k):
@@ -71,6 +70,12 @@ class HugReception:
         for partner, k in tuple(self.paused.items()):
             if not self._is_held(partner, k):
                 self._resume(partner)
+
+    def _forget_waits(self) -> None:
+        """Forget the waits of those who hug nobody any more."""
+        for k in tuple(self._waited):
+            if not isinstance(self._dispatcher.task(k), Hug):
+                del self._waited[k]
 
     def _prepare(self, k: int, task: Hug, partner: int, dt: float) -> None:
         """Let a partner end its walk and turn before a person comes near."""

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PLACED, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import Task
@@ -112,22 +113,22 @@ class PainReflexes:
     Args:
         dispatcher: of their tasks.
         obediences: of the people, from 0 to 1, in the order of the controllers.
+        pains: of the people.
     """
 
-    def __init__(self, dispatcher: TaskDispatcher, obediences: Sequence[float]) -> None:
-        self._dispatcher = dispatcher
+    def __init__(
+        self, dispatcher: TaskDispatcher, obediences: Sequence[float], pains: PainRise
+    ) -> None:
+        self._dispatcher, self._pains = dispatcher, pains
         self._obediences = obediences
         self._reflexes = [_Reflex() for _ in obediences]
         self._owners = [int(one.record.owner) for one in dispatcher.controllers]
-        self._pains_now = dispatcher.view.arrays.owners["pain"]
-        self._pains: Array = np.zeros(len(self._owners))
         self._active = set[int]()
 
     def react(self, now: float) -> None:
         """React to the blows of the last step, after tasks have commanded; `now` in [s]."""
-        before, self._pains = self._pains, self._pains_now[self._owners]
-        if len(before) and float((self._pains - before).max()) > CRY.pain:
-            for k in np.flatnonzero(self._pains - before > CRY.pain).tolist():
+        if self._pains.largest > CRY.pain:
+            for k in np.flatnonzero(self._pains.added > CRY.pain).tolist():
                 self._feel(k, now)
         for k in sorted(self._active):
             self._advance(k, now)
@@ -141,7 +142,7 @@ class PainReflexes:
         if own_mind or striker < 0 or _is_held(controller, striker):
             return
         order, withdrawal = self._obediences[k], 1.0 - self._obediences[k]
-        withdrawal *= float(self._pains[k]) / BORNE_PAIN
+        withdrawal *= float(self._pains.pain[k]) / BORNE_PAIN
         if withdrawal <= FLINCH_PART * order:
             return
         reflex.striker, reflex.flinch_end = striker, now + FLINCH_TIME

@@ -11,6 +11,7 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
 from pipeline.simulation.characters.deck_choice import Decks, deck_height
+from pipeline.simulation.characters.held_bar import find_held_place, push_node
 from pipeline.simulation.characters.hurdles import (
     DEEPEST_STEP_OVER,
     HIGHEST_STEP_OVER,
@@ -458,6 +459,17 @@ class PersonController:
         nodes["grip_length"][hand] = nodes["radius"][node] if is_ball else 0.0
 
     @cached_property
+    def owner(self) -> int:
+        """Number of the person among the owners."""
+        return int(self.record.owner)
+
+    @property
+    def is_gripping(self) -> bool:
+        """Whether a hand grips a node, or the other hand."""
+        grips, first = self.view.arrays.grips, self._first_grip
+        return bool(max(grips[first, 1], grips[first + 1, 1], grips[first + JOINED_GRIP, 1]) >= 0)
+
+    @cached_property
     def _first_grip(self) -> int:
         return int(self.record.grip)
 
@@ -467,10 +479,8 @@ class PersonController:
 
     def held_place(self, k: int) -> Array:
         """Return (3,) the place on a node or a bar at which a grip holds it [m]."""
-        nodes, p = self.view.arrays.nodes, self.view.p
-        hand, node = self.view.arrays.grips[self.record.grip + k]
-        bar, share = int(nodes["grip_bar"][hand]), float(nodes["grip_share"][hand])
-        place: Array = p[node] if bar < 0 else (1.0 - share) * p[node] + share * p[bar]
+        arrays, place = self.view.arrays, np.empty(3)
+        find_held_place(arrays.nodes, arrays.grips, self._first_grip + k, place)
         return place
 
     def is_holding(self, k: int) -> bool:
@@ -576,10 +586,9 @@ class PersonController:
 
     def push_bar(self, nodes: tuple[int, int], force: Array, dt: float) -> None:
         """Push a bar between two nodes with a force (3,) for a step [N], [s]."""
-        arrays, h = self.view.arrays, self.view.sub_step
         for node in nodes:
-            v = 0.5 * dt * force * arrays.nodes["inverse_mass"][node]
-            arrays.nodes["previous"][node] -= h * v
+            push_node(self.view.arrays.nodes, node, 0.5 * dt * force, self.view.sub_step)
+        self.view.decks.forget_rates()
 
     def part_from_bars(self, dt: float) -> None:
         """Let hands that have opened around bars meet them again after a while [s]."""

@@ -106,37 +106,47 @@ def _normals_below(persons: Records, ground: Ground, moment: str) -> Array:
 class BallRotations:
     """Rotations of balls: on the ground they roll, in the air they keep turning.
 
+    Args:
+        nodes: of all characters.
+        balls: (B,) numbers of those that are balls.
+
     Attributes:
         R: (B, 3, 3) rotations.
-        radius: (B,) [m].
     """
 
-    def __init__(self, radius: Array) -> None:
-        self.radius = radius
-        self.R: Array = np.broadcast_to(np.eye(3), (len(radius), 3, 3)).copy()
-        self._turn = np.zeros((len(radius), 3))
+    def __init__(self, nodes: Records, balls: IntArray) -> None:
+        self._nodes, self._balls = nodes, balls
+        self.R: Array = np.broadcast_to(np.eye(3), (len(balls), 3, 3)).copy()
+        self._turn, self._before = np.zeros((len(balls), 3)), nodes["p"][balls]
 
-    def advance(self, moved: Array, height: Array) -> None:
-        """Turn balls by a step in which they moved (B, 3) and came to heights (B,) [m]."""
-        _roll(self.R, self._turn, moved, height, self.radius)
+    def advance(self, floor: Array) -> None:
+        """Turn balls by the step since the last call, over a floor at heights (B,) [m]."""
+        _roll(self.R, self._turn, self._nodes, self._balls, self._before, floor)
 
 
 @entry
-def _roll(R: Array, turn: Array, moved: Array, height: Array, radius: Array) -> None:
+def _roll(
+    R: Array, turn: Array, nodes: Records, balls: IntArray, before: Array, floor: Array
+) -> None:
     """Roll or turn balls by a step.
 
     Args:
         R: (B, 3, 3) rotations; changed.
         turn: (B, 3) rotation vectors of the last step; changed [rad].
-        moved: (B, 3) in this step [m].
-        height: (B,) above the ground [m].
-        radius: (B,) [m].
+        nodes: of all characters.
+        balls: (B,) numbers of those that are balls.
+        before: (B, 3) places before the step [m]; set to those after it.
+        floor: (B,) heights of the ground [m].
     """
     relative, absolute = ROLLING_HEIGHT
     for b in range(len(R)):
-        if height[b] < radius[b] * (1.0 + relative) + absolute:
+        p, radius = nodes[balls[b]].p, nodes[balls[b]].radius
+        x, z = p[0] - before[b, 0], p[2] - before[b, 2]
+        for k in range(3):
+            before[b, k] = p[k]
+        if p[1] - floor[b] < radius * (1.0 + relative) + absolute:
             # Up × moved, over the radius.
-            turn[b, 0], turn[b, 2] = moved[b, 2] / radius[b], -moved[b, 0] / radius[b]
+            turn[b, 0], turn[b, 2] = z / radius, -x / radius
             turn[b, 1] = 0.0
         angle = math.sqrt(turn[b, 0] ** 2 + turn[b, 1] ** 2 + turn[b, 2] ** 2)
         if angle == 0.0:

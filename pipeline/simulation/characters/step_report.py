@@ -13,15 +13,15 @@ from pipeline.simulation.characters.body_arrays import SOLID, TERRAIN, Character
 from pipeline.simulation.characters.character_plans import LINK_NAMES, PEOPLE
 from pipeline.simulation.characters.contact_response import TouchLog
 from pipeline.simulation.characters.hug_tasks import HUG, Hug
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import DECK_MATERIAL, MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.dynamics.compiled import Record, Records
+from pipeline.simulation.dynamics.compiled import Record, Records, entry
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.signals import Signal
-from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character
@@ -31,6 +31,9 @@ FOOTFALL_LINKS = ("shin_l", "shin_r")
 
 LEG_MASS = SEGMENT_MASSES["thigh"] + SEGMENT_MASSES["shin"] + SEGMENT_MASSES["foot"]
 """Mass that comes down with a foot, as a fraction of the body."""
+
+LATEST = math.nextafter(1.0, 0.0)
+"""Greatest fraction of a step."""
 
 SKIN, SHOES = "skin", "leather"
 """Sound materials of people and of their steps."""
@@ -90,7 +93,7 @@ class ContactReporter:
     def contacts(self, log: TouchLog, step: int) -> tuple[Contact, ...]:
         """Return the touches of a step, except for the feet of walkers."""
         found = []
-        for event in log.events[: int(log.filled[0])]:
+        for event in log.events[: log.filled[0]] if log.filled[0] else ():
             member = self._member(int(event["link"]))
             name = self._link_name(member, int(event["link"]))
             if event["other"] == TERRAIN and member.acts and name in FOOTFALL_LINKS:
@@ -101,7 +104,7 @@ class ContactReporter:
     def touched(self, log: TouchLog) -> tuple[tuple[str, str], ...]:
         """Return the pairs of performers that began to touch in a step."""
         pairs = dict[tuple[str, str], None]()
-        for event in log.events[: int(log.filled[0])]:
+        for event in log.events[: log.filled[0]] if log.filled[0] else ():
             other = int(event["other"])
             if other == TERRAIN:
                 continue
@@ -118,7 +121,7 @@ class ContactReporter:
         length, diameter = self._links["length_limits"][link, 0], 2.0 * self._links["radius"][link]
         return Contact(
             step=step,
-            fraction=min(float(event["moment"]), math.nextafter(1.0, 0.0)),
+            fraction=min(float(event["moment"]), LATEST),
             performer=member.name,
             part=f"{member.name}.{name}" if name else member.name,
             other=other_name,
@@ -167,6 +170,7 @@ def _material(member: Character) -> str:
 
 def footfalls(
     persons: Records,
+    views: Sequence[Record],
     names: Sequence[str],
     masses: Sequence[float],
     ground: Ground,
@@ -178,6 +182,7 @@ def footfalls(
 
     Args:
         persons: `PERSON` records.
+        views: of these.
         names: of the people.
         masses: of the people [kg].
         ground: the terrain.
@@ -185,21 +190,31 @@ def footfalls(
         step: that was taken.
         reporter: knows what feet stand on.
     """
-    touchdowns = persons["touchdowns"]
-    persons["report_time"] = 0.0
-    if not touchdowns.any():
+    if not _has_touchdowns(persons):
         return ()
+    touchdowns = persons["touchdowns"]
     people, feet = np.nonzero(touchdowns)
     places = persons["stance_place"][people, feet]
     normals = ground.field.normal(places[:, 0], places[:, 2]).tolist()
     found = []
     for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True):
-        if persons[n].stance_on_deck[k] == 1:
-            normal = persons[n].deck_axes[:, 1].tolist()
-        below, mass = reporter.ground_below(persons[n], k), masses[n] * LEG_MASS
-        found.append(_footfall(persons[n], k, names[n], mass, normal, below, clock, step))
+        person = views[n]
+        if person.stance_on_deck[k] == 1:
+            normal = person.deck_axes[:, 1].tolist()
+        below, mass = reporter.ground_below(person, k), masses[n] * LEG_MASS
+        found.append(_footfall(person, k, names[n], mass, normal, below, clock, step))
     touchdowns[:] = 0
     return tuple(found)
+
+
+@entry
+def _has_touchdowns(persons: Records) -> bool:
+    """Tell whether feet have touched down since the last report, and start a new one."""
+    found = False
+    for k in range(len(persons)):
+        persons[k].report_time = 0.0
+        found |= persons[k].touchdowns[0] != 0 or persons[k].touchdowns[1] != 0
+    return found
 
 
 def _footfall(
@@ -212,12 +227,11 @@ def _footfall(
     clock: Clock,
     step: int,
 ) -> Contact:
-    x, y, z = (float(c) for c in person.stance_place[k])
+    x, y, z = person.stance_place[k].tolist()
     speed = float(person.touchdown_speed[k])
-    latest = float(np.nextafter(1.0, 0.0))
     return Contact(
         step=step,
-        fraction=min(max(float(person.touchdown_time[k]) / clock.dt, 0.0), latest),
+        fraction=min(max(float(person.touchdown_time[k]) / clock.dt, 0.0), LATEST),
         performer=name,
         part=f"{name}.foot_{'lr'[k]}",
         other=below[0],
@@ -249,14 +263,16 @@ class Voice(NamedTuple):
 
 
 class SignalDetector:
-    """The onsets of pains, voices and hugs of all acting people of a troupe."""
+    """The onsets of pains, voices and hugs of all acting people of a troupe.
 
-    def __init__(self, dispatcher: TaskDispatcher) -> None:
-        self._dispatcher = dispatcher
-        self._owners = [int(person.record.owner) for person in dispatcher.controllers]
-        self._pain: Array = np.zeros(len(self._owners))
-        self._pains_now = dispatcher.view.arrays.owners["pain"]
-        self._hugged: list[Hug | None] = [None for _ in self._owners]
+    Args:
+        dispatcher: of their tasks.
+        pains: of the people.
+    """
+
+    def __init__(self, dispatcher: TaskDispatcher, pains: PainRise) -> None:
+        self._dispatcher, self._pain = dispatcher, pains
+        self._hugged = dict[int, Hug]()
 
     def signals(self, voices: Sequence[Voice] = ()) -> tuple[Signal, ...]:
         """Return the signals that began in the last step.
@@ -267,13 +283,12 @@ class SignalDetector:
         return (*self._pains(), *(self._voiced(voice) for voice in voices), *self._hugs())
 
     def _pains(self) -> Iterator[Signal]:
-        view = self._dispatcher.view
-        before, self._pain = self._pain, self._pains_now[self._owners]
-        added = self._pain - before
-        if not len(added) or float(added.max()) <= CRY.pain:
+        view, added = self._dispatcher.view, self._pain.added
+        if self._pain.largest <= CRY.pain:
             return
         for k in np.flatnonzero(added > CRY.pain).tolist():
-            cause = hardest_toucher(view.arrays, self._owners[k])
+            owner = int(self._dispatcher.controllers[k].record.owner)
+            cause = hardest_toucher(view.arrays, owner)
             name = view.names[cause] if cause >= 0 else ""
             pain = float(added[k])
             yield Signal("pain", self._dispatcher.controllers[k].name, name)
@@ -284,14 +299,13 @@ class SignalDetector:
         return self._sounding(*voice[:3], "head", voice.strength, CRY.throat)
 
     def _hugs(self) -> Iterator[Signal]:
-        for k in range(len(self._owners)):
-            task = self._dispatcher.task(k)
-            is_closed = isinstance(task, Hug) and task.touched > HUG.closing_time
-            hug = task if isinstance(task, Hug) and is_closed else None
-            if hug is not None and hug is not self._hugged[k]:
-                strength = ARM_CLOSING_SPEED * hug.size
-                yield self._sounding("hug", k, hug.owner, "chest", strength, HUG_SOUND_SIZE)
-            self._hugged[k] = hug
+        before, self._hugged = self._hugged, {}
+        for k, task in self._dispatcher.busy():
+            if isinstance(task, Hug) and task.touched > HUG.closing_time:
+                if task is not before.get(k):
+                    strength = ARM_CLOSING_SPEED * task.size
+                    yield self._sounding("hug", k, task.owner, "chest", strength, HUG_SOUND_SIZE)
+                self._hugged[k] = task
 
     def _sounding(
         self, kind: str, k: int, other: int, part: str, strength: float, heights: float

@@ -47,6 +47,7 @@ from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
 from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -108,7 +109,8 @@ class TaskDispatcher:
         self.minded: Mapping[int, Consent] = {}
         self.suspended = set[int]()
         self.controllers = [
-            PersonController(view.names[person.owner], person, view) for person in persons
+            PersonController(view.names[owner], record_view(persons, k), view)
+            for k, owner in enumerate(persons["owner"].tolist())
         ]
         self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0
@@ -118,8 +120,10 @@ class TaskDispatcher:
         self._tasks: list[Task | None] = [None] * count
         self._done, self._ordered = [True] * count, [False] * count
         self._look_targets: list[Target | None] = [None] * count
-        self._glances = [NOBODY] * count
-        self._persons, self._owners = persons, persons["owner"].copy()
+        self._glances: IntArray = np.full(count, NOBODY)
+        # Who may have something to do in the next step, and who had in this one.
+        self._active, self._acting = set(range(count)), list[int]()
+        self._persons, self._embraces = persons, view.arrays.owners["embraces"]
         self._grips = persons["grip"][:, None] + np.arange(JOINED_GRIP)
         self._people = np.array([k in view.people for k in range(len(view.names))], dtype=bool)
         self._looked_at: IntArray = np.full(count, NOBODY)
@@ -149,8 +153,8 @@ class TaskDispatcher:
         for name in orders.keys() & self._by_name.keys():
             for order in orders[name]:
                 found |= members_named(order, view)
-        for k, controller in enumerate(self.controllers):
-            task, look = self._tasks[k], self._look_targets[k]
+        for k in self._active:
+            controller, task, look = self.controllers[k], self._tasks[k], self._look_targets[k]
             if task is not None:
                 found.update(task.members)
             if isinstance(task, StepAside) and (again := self._orders[k]) is not None:
@@ -195,6 +199,16 @@ class TaskDispatcher:
         """Return the task of a person."""
         return self._tasks[k]
 
+    def busy(self) -> list[tuple[int, Task]]:
+        """Return the people who have tasks, by index, and these."""
+        tasks = self._tasks
+        return [(k, task) for k in sorted(self._active) if (task := tasks[k]) is not None]
+
+    @property
+    def acting(self) -> list[PersonController]:
+        """The people who had something to do in this step."""
+        return [self.controllers[k] for k in self._acting]
+
     def begin(self, k: int, task: Task) -> None:
         """Start a task of a person's own choice."""
         self.controllers[k].record.posture = STANDING
@@ -203,6 +217,7 @@ class TaskDispatcher:
     def end(self, k: int) -> None:
         """End the task of a person; held objects stay in the hands."""
         controller = self.controllers[k]
+        self._active.add(k)
         if (task := self._tasks[k]) is not None:
             task.leave(controller)
         controller.stop()
@@ -228,33 +243,17 @@ class TaskDispatcher:
         self._clear_facts()
         time = self._steps * self._dt
         self._steps += 1
+        self.view.decks.forget_poses()
         self.view.decks.update(self._persons)
         self._share_slots()
         self._form_crews()
         self._advance_crews()
         self._reception.advance(self._dt)
         givings = self._ask_holders()
-        embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
-        holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
-        for k, controller in enumerate(self.controllers):
-            controller.part_from_bars(self._dt)
-            if embraces[k] >= 0:
-                controller.end_distant_embrace()
-            may_grip = holds[k] or self._tasks[k] is not None
-            rests = self._waits[k] or k in self.suspended or k in self._reception.paused
-            if self._tasks[k] is not None and not rests:
-                self._advance(k, controller)
-            task = self._tasks[k]
-            mark_act_things(controller, task)
-            if task is None or not task.leads_hands:
-                _hold(controller, may_grip)
-            if k in givings:
-                givings[k].hold_out()
-            if controller.avoided:
-                evade(controller)
-            if controller.name in self._posed_hands:
-                self._posed_hands[controller.name].advance(controller, time)
-            self._looked_at[k] = self._look(k, controller, time)
+        self._looked_at[:] = self._glances
+        self._acting = sorted(self._active)
+        for k in self._acting:
+            self._command_one(k, self.controllers[k], givings.get(k), time)
         look_at_characters(
             *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
             *(self._people, self._looked_at),
@@ -264,11 +263,40 @@ class TaskDispatcher:
                 giving.giver.release(giving.thing)
                 self.end(k)
 
+    def _command_one(
+        self, k: int, controller: PersonController, giving: HandOver | None, time: float
+    ) -> None:
+        """Command a person, and see whether it has something to do in the next step."""
+        if controller.parting:
+            controller.part_from_bars(self._dt)
+        if self._embraces[controller.owner] >= 0:
+            controller.end_distant_embrace()
+        if self._tasks[k] is not None:
+            if not (self._waits[k] or k in self.suspended or k in self._reception.paused):
+                self._advance(k, controller)
+        task, holds = self._tasks[k], controller.is_gripping
+        mark_act_things(controller, task)
+        if task is None or not task.leads_hands:
+            _hold(controller, holds)
+        if giving is not None:
+            giving.hold_out()
+        if controller.avoided:
+            evade(controller)
+        if posed := self._posed_hands.get(controller.name):
+            posed.advance(controller, time)
+        self._looked_at[k] = self._look(k, controller, time)
+        has_work = task is not None or holds or controller.held_members or controller.parting
+        looks = self._regrets[k] is not None or self._look_targets[k] is not None
+        keeps = controller.avoided or posed or self._embraces[controller.owner] >= 0
+        if not (has_work or looks or keeps):
+            self._active.discard(k)
+
     def _clear_facts(self) -> None:
         """Forget what people did in the step before, of all before any acts."""
         self._arrived.clear()
         self._outcomes.clear()
-        for controller in self.controllers:
+        for k in self._active.union(self._acting):
+            controller = self.controllers[k]
             controller.grip_changes.clear()
             controller.touched.clear()
             controller.kicked_bodies.clear()
@@ -276,7 +304,7 @@ class TaskDispatcher:
     def _form_crews(self) -> None:
         """Let two who are told to carry the same thing to the same place do that together."""
         loads = dict[tuple[str, str], list[int]]()
-        for k, task in enumerate(self._tasks):
+        for k, task in self.busy():
             if isinstance(task, CarryTo) and self._ordered[k] and not task.is_down:
                 if not self.controllers[k].hands_holding(task.thing):
                     loads.setdefault((task.thing, task.walk.target), []).append(k)
@@ -289,15 +317,16 @@ class TaskDispatcher:
                 self._begin(k, CarryEnd(crew, number))
 
     def _advance_crews(self) -> None:
-        for task in self._tasks:
+        for _, task in self.busy():
             if isinstance(task, CarryEnd) and task.number == 0:
                 task.crew.advance(self._dt)
 
     def _ask_holders(self) -> dict[int, HandOver]:
         """Return what is handed over, by the giver; askers of a busy holder wait."""
         givings = dict[int, HandOver]()
-        for k, (task, taker) in enumerate(zip(self._tasks, self.controllers, strict=True)):
-            if task is None or not self._ordered[k] or not (thing := task.asks_for(taker)):
+        for k, task in self.busy():
+            taker = self.controllers[k]
+            if not self._ordered[k] or not (thing := task.asks_for(taker)):
                 continue
             giver = None
             if not taker.hands_holding(thing):
@@ -356,8 +385,8 @@ class TaskDispatcher:
         """Let those who need slots take them, the nearest first, whatever the order of the cast."""
         waiting = [
             (task.slot_distance(controller), controller.name, task, controller)
-            for controller, task in zip(self.controllers, self._tasks, strict=True)
-            if task is not None and task.wants_slot and not task.failure
+            for k, task in self.busy()
+            if task.wants_slot and not task.failure and (controller := self.controllers[k])
         ]
         for _, _, task, controller in sorted(waiting, key=lambda claim: claim[:2]):
             task.take_slot(controller)
@@ -383,10 +412,11 @@ class TaskDispatcher:
 
     def facts(self) -> Facts:
         """Return what people did in the last step: orders ended, touches of hands, and grips."""
-        changes = (change for one in self.controllers for change in one.grip_changes)
+        acting = self.acting
+        changes = [change for one in acting for change in one.grip_changes]
         return Facts(
             arrived=tuple(self._arrived),
-            touched=tuple((one.name, name) for one in self.controllers for name in one.touched),
+            touched=tuple((one.name, name) for one in acting for name in one.touched),
             outcomes=tuple(self._outcomes),
             # What goes from hand to hand is taken before it is let go of.
             grips=tuple(sorted(changes, key=lambda change: not change.taken)),
@@ -412,7 +442,7 @@ class TaskDispatcher:
         elif target is not None:
             controller.look_at(np.array(target))
         else:
-            owner = self._glances[k]
+            owner = int(self._glances[k])
             if owner < 0 and task is not None:
                 owner = getattr(task, "owner", NOBODY)
             subject = task.subject(controller) if task is not None and owner < 0 else None
@@ -425,6 +455,7 @@ class TaskDispatcher:
 
     def _accept(self, k: int, order: Do) -> None:
         controller = self.controllers[k]
+        self._active.add(k)
         controller.record.frozen = order == "freeze"
         if isinstance(order, SIDE_ORDERS):
             self._accept_aside(k, controller, order)
@@ -503,6 +534,7 @@ class TaskDispatcher:
     def _begin(self, k: int, task: Task, keeps_arms: bool = False) -> None:
         """Start a task; empty hands hang again, unless they are kept after a task that is done."""
         controller = self.controllers[k]
+        self._active.add(k)
         last = self._tasks[k]
         if last is not None:
             last.leave(controller)

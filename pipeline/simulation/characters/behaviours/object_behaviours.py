@@ -21,7 +21,6 @@ from pipeline.simulation.characters.mind.perception import freshness
 from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.characters.ride_task import RideCarousel
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
-from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Carry, Play, Push, Ride
 
 if TYPE_CHECKING:
@@ -67,7 +66,7 @@ class PlayBall(ConfiguredBehaviour[Play]):
     def __init__(self, config: Play, mind: Mind) -> None:
         super().__init__(config, mind)
         self.ball = mind.number(config.play)
-        self.home = mind.place(self.ball).copy()
+        self.home = mind.place(self.ball).tolist()
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
@@ -82,29 +81,36 @@ class PlayBall(ConfiguredBehaviour[Play]):
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        ball = mind.place(self.ball) + BALL_PREDICTION * mind.velocity(self.ball)
-        offset = ball - mind.at
-        distance = max(math.hypot(offset[0], offset[1]), 1e-6)
-        aim = self._aim(mind, ball, offset / distance)
-        if float(aim @ offset) > KICK_ALIGNMENT * distance:
+        x, _, z = mind.memory.places[self.ball].tolist()
+        v_x, _, v_z = mind.memory.velocities[self.ball].tolist()
+        at_x, at_z = mind.at.tolist()
+        x, z = x + BALL_PREDICTION * v_x, z + BALL_PREDICTION * v_z
+        off_x, off_z = x - at_x, z - at_z
+        distance = max(math.hypot(off_x, off_z), 1e-6)
+        aim_x, aim_z = self._aim(mind, x, z, (off_x / distance, off_z / distance))
+        along = aim_x * off_x + aim_z * off_z
+        if along > KICK_ALIGNMENT * distance:
             is_near = distance < KICK_APPROACH_DISTANCE
             pace = KICK_SPEED * mind.stroll if is_near else mind.pace
-            place = ball + (0.8 if is_near else 0.0) * aim
+            lead = 0.8 if is_near else 0.0
+            place = x + lead * aim_x, z + lead * aim_z
             return steer(mind, place, pace=pace, target=self.ball, touching=True)
-        place = ball - BEHIND_BALL * aim
-        if distance < 1.2 and float(aim @ offset) < 0.0:
+        x, z = x - BEHIND_BALL * aim_x, z - BEHIND_BALL * aim_z
+        if distance < 1.2 and along < 0.0:
             # Around the ball, not over it.
-            across = np.array([-aim[1], aim[0]])
-            place = place + BEHIND_BALL * across * (-1.0 if across @ offset > 0.0 else 1.0)
-        return steer(mind, place, pace=mind.pace, target=self.ball, touching=True)
+            side = -1.0 if aim_x * off_z - aim_z * off_x > 0.0 else 1.0
+            x, z = x - BEHIND_BALL * aim_z * side, z + BEHIND_BALL * aim_x * side
+        return steer(mind, (x, z), pace=mind.pace, target=self.ball, touching=True)
 
-    def _aim(self, mind: Mind, ball: Array, ahead: Array) -> Array:
-        """Return the direction of a kick: ahead, or back home."""
-        back = self.home - ball
-        far = math.hypot(back[0], back[1])
-        is_inside = mind.is_on_terrain(ball, KICK_RANGE)
+    def _aim(
+        self, mind: Mind, x: float, z: float, ahead: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Return the direction of a kick of a ball at x and z [m]: ahead, or back home."""
+        back_x, back_z = self.home[0] - x, self.home[1] - z
+        far = math.hypot(back_x, back_z)
+        is_inside = mind.is_on_terrain((x, z), KICK_RANGE)
         if (far > self.config.within or not is_inside) and far > 1e-6:
-            return back / far
+            return back_x / far, back_z / far
         return ahead
 
 

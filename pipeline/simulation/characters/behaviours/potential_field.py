@@ -11,6 +11,7 @@ Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared wi
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +70,7 @@ def walk_vector(
 
 def steer(
     mind: Mind,
-    place: Array,
+    place: Sequence[float] | Array,
     stop_distance: float = 0.0,
     pace: float | None = None,
     target: int = -1,

@@ -69,6 +69,7 @@ def behaviours_of(configs: Sequence[spec.Urge], mind: Mind) -> dict[str, Behavio
     return made
 
 
+@cache
 def behaviour_number(name: str) -> int:
     """Return the number of a behaviour in takes by its name, -1 for none."""
     stem = name.split(" ")[0]

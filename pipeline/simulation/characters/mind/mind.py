@@ -9,8 +9,7 @@ Source: Horswill 2008, "High-level Control" and "Example application".
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.detour_state import DetourState
+from pipeline.simulation.characters.mind.felt_emotions import FACE, JOYS
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import (
@@ -33,6 +33,7 @@ from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Traits
 
@@ -41,31 +42,6 @@ HYSTERESIS = 0.08
 
 STROLL_FROUDE, RUN_FROUDE = 0.36, 0.95
 """Usual speeds of the slowest and the fastest characters, in √(g l)."""
-
-
-@dataclass(frozen=True)
-class FaceRates:
-    """How feelings show in a face.
-
-    Attributes:
-        worry: anxiety from which it looks like fear, too.
-        anxious_fear: fear of full anxiety, by the anxiety beyond worry.
-        anxious_sadness: sadness of full anxiety.
-        hug_joy: joy in somebody's arms.
-        interest: curiosity by the salience of the focus.
-    """
-
-    worry: float = 0.5
-    anxious_fear: float = 0.8
-    anxious_sadness: float = 0.9
-    hug_joy: float = 0.9
-    interest: float = 1.3
-
-
-FACE = FaceRates()
-
-JOYS: Mapping[str, float] = {"play": 0.8, "comfort": 0.5, "carry": 0.35, "push": 0.7, "ride": 0.9}
-"""Joy in a face by the present behaviour."""
 
 
 class Behaviour(Protocol):
@@ -140,7 +116,7 @@ class Mind:
         self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
         self._records = records
         self._arrays, self._number = arrays, number
-        self._state = arrays.minds[number]
+        self._state = record_view(arrays.minds, number)
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
@@ -207,18 +183,18 @@ class Mind:
         """Return the gap to the surface of a character as remembered [m]."""
         return self.distance_to(owner) - float(self.surroundings.radius[owner]) - self.body_radius
 
-    def heading_to(self, place: Array) -> float:
+    def heading_to(self, place: Sequence[float] | Array) -> float:
         """Return the heading of a place."""
         return math.atan2(-(place[1] - self.at[1]), place[0] - self.at[0])
 
-    def is_on_terrain(self, place: Array, margin: float) -> bool:
+    def is_on_terrain(self, place: Sequence[float] | Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
         x, z = place
         is_inside = low_x + margin < x < high_x - margin
         return bool(is_inside and low_z + margin < z < high_z - margin)
 
-    def clip_to_terrain(self, place: Array) -> Array:
+    def clip_to_terrain(self, place: Sequence[float] | Array) -> Array:
         """Return the nearest place (2,) that can be walked to."""
         (low_x, low_z), (high_x, high_z) = self._edges
         x, z = place
@@ -264,19 +240,10 @@ class Mind:
             if owner != self.number_of_self
         )
 
-    def emotions(self) -> list[float]:
-        """Return the emotions that its face shows, in the order of `EMOTIONS`, from 0 to 1."""
-        attention, anxiety = self.attention, self.anxiety
-        # Far-off threats frighten less.
-        fear = max(float((attention.fears * attention.nearness).max(initial=0.0)), 0.0)
-        fear = min(fear + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0), 1.0)
-        worried = FACE.anxious_sadness * anxiety
-        calm = 1.0 - max(fear, worried, self.anger)
-        social = FACE.hug_joy if self.is_hugging else JOYS.get(self.doing, 0.0)
-        joy = social * (1.0 - anxiety) * (1.0 - max(fear, self.anger))
-        interest = FACE.interest * attention.focus_salience
-        curiosity = min(interest, 1.0) * calm * (1.0 - joy)
-        return [joy, min(worried, 1.0) * (1.0 - fear), self.anger, fear, 0.0, curiosity]
+    @property
+    def delight(self) -> float:
+        """Joy in what it does, from 0 to 1."""
+        return FACE.hug_joy if self.is_hugging else JOYS.get(self.doing, 0.0)
 
     # --- experience ---------------------------------------------------------------------
 

@@ -32,6 +32,8 @@ MIND = np.dtype(
         ("focus", "i8"),
         ("focus_salience", "f8"),
         ("now", "f8"),
+        # Joy in what it does, from 0 to 1, before its worries.
+        ("delight", "f8"),
     ],
     align=True,
 )

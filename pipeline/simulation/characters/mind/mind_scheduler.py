@@ -15,14 +15,16 @@ from pipeline.simulation.characters.behaviours.registry import (
     behaviour_number,
     behaviours_of,
 )
-from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
+from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.carousel_pose import way_off_deck
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.consent import Consent
+from pipeline.simulation.characters.mind.felt_emotions import show_feelings
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import Surroundings, notice
+from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
@@ -37,6 +39,12 @@ from pipeline.spec.character import Character
 from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.relations import Attitudes
 from pipeline.spec.script import SetUrges
+
+CHANNELS = (
+    *(("anxiety", "1"), ("distance", "m"), ("focus", "1"), ("gaze", "1")),
+    ("behaviour", "1"),
+)
+"""Names and units of what the take tells of a mind."""
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
@@ -62,6 +70,7 @@ class MindScheduler:
         seed: of the scene.
         dt: a step [s].
         sub_step: [s].
+        pains: of all acting people.
         attitudes: of people towards others, by the relations of the story.
 
     Attributes:
@@ -78,6 +87,7 @@ class MindScheduler:
         seed: int,
         dt: float,
         sub_step: float,
+        pains: PainRise,
         attitudes: Attitudes = MappingProxyType({}),
     ) -> None:
         self.voices: list[Voice] = []
@@ -115,19 +125,20 @@ class MindScheduler:
         consents = map(Consent, self.minds)
         dispatcher.minded = dict(zip(self._indices, consents, strict=True))
         self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
-        self._owners: IntArray = self._arrays.minds["owner"].copy()
-        self._values = np.array([self._values_of(mind) for mind in self.minds])
-        self._pain: Array = np.zeros(len(self._owners))
-        self._pains_now = surroundings.view.arrays.owners["pain"]
+        # Of the channels: nobody is looked at, and nothing done yet.
+        self._values = np.full((len(self.minds), len(CHANNELS)), float(NOBODY))
+        everybody = np.arange(len(self.minds))
+        show_feelings(self._arrays, everybody, np.zeros_like(self.felt), self._values)
+        self._numbers = self._arrays.minds["delight"], self._values[:, 3], self._values[:, 4]
+        self._pains = pains
 
     @property
     def channels(self) -> tuple[Channel, ...]:
         """Channels of the take."""
-        kinds = (("anxiety", "1"), ("distance", "m"), ("focus", "1"), ("gaze", "1"))
         return tuple(
             Channel(f"{mind.controller.name}.{kind}", unit)
             for mind in self.minds
-            for kind, unit in (*kinds, ("behaviour", "1"))
+            for kind, unit in CHANNELS
         )
 
     def values(self) -> Array:
@@ -138,26 +149,19 @@ class MindScheduler:
         """
         return self._values.flatten()
 
-    @staticmethod
-    def _values_of(mind: Mind) -> tuple[float, ...]:
-        """Return the values of the channels of one mind, which change only when it thinks."""
-        focus, looked_at = mind.attention.focus, mind.glances.at
-        behaviour = behaviour_number(mind.doing)
-        return mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour
-
     def feelings(self) -> dict[str, dict[str, float]]:
         """Return what each mind feels now, by the names of `Feeling`."""
         return {
             mind.controller.name: {
-                **dict(zip(EMOTIONS, mind.emotions(), strict=True)),
+                **dict(zip(EMOTIONS, self.felt[k].tolist(), strict=True)),
                 "anxiety": mind.anxiety,
             }
-            for mind in self.minds
+            for k, mind in zip(self._indices, self.minds, strict=True)
         }
 
     def read(self, orders: Orders) -> None:
         """Accept the urges that the script sets."""
-        for mind in self.minds:
+        for mind in self.minds if orders else ():
             for order in orders.get(mind.controller.name, ()):
                 if isinstance(order, SetUrges):
                     mind.biases = {} if not order.urge else {**mind.biases, **order.urge}
@@ -171,6 +175,7 @@ class MindScheduler:
         if turns:
             self._notice(turns, now)
         ordered = self._dispatcher.is_ordered
+        delights, gazes, behaviours = self._numbers
         before = {n: self.minds[n].doing for n in turns if not ordered(self._indices[n])}
         # All choose before any of them acts, so that their order has no effect.
         for n in before:
@@ -185,8 +190,10 @@ class MindScheduler:
                 mind.end_behaviour()
             mind.look()
             self._dispatcher.glance(k, mind.glances.at)
-            self._values[n] = self._values_of(mind)
-            self.felt[k] = mind.emotions()
+            delights[n], gazes[n] = mind.delight, mind.glances.at
+            behaviours[n] = behaviour_number(mind.doing)
+        if turns:
+            show_feelings(self._arrays, np.array(turns), self.felt, self._values)
 
     def _notice(self, turns: Sequence[int], now: float) -> None:
         """Let minds perceive, remember, feel and attend."""
@@ -241,11 +248,9 @@ class MindScheduler:
     def _feel_blows(self, now: float) -> set[int]:
         """Let minds feel the blows of the last step; return the indices of those hurt."""
         self.voices.clear()
-        pain = self._pains_now[self._owners]
-        added = pain - self._pain
-        self._pain = pain
-        if not len(added) or float(added.max()) <= 0.0:
+        if self._pains.largest <= 0.0:
             return set()
+        added = self._pains.added[self._indices]
         hurt = np.flatnonzero(added > 0.0).tolist()
         for n in hurt:
             mind, blow = self.minds[n], float(added[n])

@@ -17,6 +17,7 @@ from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.person_controller import BODY_RADIUS, CharacterView
 from pipeline.simulation.characters.person_record import PELVIS
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
+from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.spatial import Array
 
 MEMORY_SPAN = 12.0  # for which characters out of view are remembered [s]
@@ -330,7 +331,7 @@ class Attention:
     """
 
     def __init__(self, arrays: MindArrays, n: int) -> None:
-        self._mind = arrays.minds[n]
+        self._mind = record_view(arrays.minds, n)
         self.fears, self.valence = arrays.fears[n], arrays.valence[n]
         self.priority, self.nearness = arrays.priority[n], arrays.nearness[n]
 

@@ -80,6 +80,22 @@ def test_cast_order_does_not_change_motion(scene_of: SceneOf) -> None:
         assert _of(there, name) == _of(back, name)
 
 
+PEOPLE = (
+    "{name: mother, character: adult, at: [0.9, 0]}",
+    "{name: ben, character: child, traits: {}, behaviours: [{fight: anna}]}",
+    "{name: anna, character: child, at: [0.3, 0], traits: {}, behaviours: [{attachment: mother}]}",
+    "{name: ball, character: ball, at: [-0.4, 0]}",
+)
+
+
+def test_cast_order_does_not_change_what_people_do(scene_of: SceneOf) -> None:
+    """People who touch, push and heed one another are led one after the other."""
+    there = simulate(scene_of(*PEOPLE, duration=1.5))
+    back = simulate(scene_of(*PEOPLE[::-1], duration=1.5))
+    for name in ("mother", "ben", "anna", "ball"):
+        assert _of(there, name) == _of(back, name)
+
+
 INTEGRATED = 5e-4
 """How far phases, seconds and metres may be apart for the steps that integrate them."""
 

@@ -82,7 +82,9 @@ def plot_mind(order: Order, reporter: Reporter) -> tuple[Path, Path]:
 
 def mind_traces(scene: Scene, take: Take) -> tuple[MindTrace, ...]:
     """Return the traces of all minds of a scene."""
-    cast = [member.name for member in scene.cast if isinstance(member, Character)]
+    members = [member.name for member in scene.cast if isinstance(member, Character)]
+    # Channels tell characters by their number in the order of names.
+    cast = sorted(members)
     columns = {channel.name: k for k, channel in enumerate(take.channels)}
 
     def trace(name: str) -> MindTrace:
@@ -96,7 +98,7 @@ def mind_traces(scene: Scene, take: Take) -> tuple[MindTrace, ...]:
         )
         return MindTrace(name, values("anxiety"), values("distance"), strips)
 
-    return tuple(trace(name) for name in cast if f"{name}.anxiety" in columns)
+    return tuple(trace(name) for name in members if f"{name}.anxiety" in columns)
 
 
 def _named(numbers: Array, names: Sequence[str]) -> tuple[str, ...]:

@@ -70,6 +70,9 @@ class Characters(Troupe):
     def __init__(
         self, cast: Sequence[Character], world: World, guide: GuideMaker | None = None
     ) -> None:
+        # By name, so that a film is the same whatever the order of its cast: minds take turns, and
+        # contacts are resolved, one after the other.
+        cast = sorted(cast, key=lambda member: member.name)
         self.world, self.cast = world, cast
         self.dances = DanceGuides(cast, guide, world.script)
         dt = world.clock.dt

@@ -47,6 +47,7 @@ def struck(obedience: float, pain: float, order: str, seconds: float = 4.0) -> C
             owner.pain += pain
             link = characters.arrays.links[int(owner.links[0])]
             link.energy, link.touched_owner = pain * owner.pain_threshold, 1
+            characters.pains.update()
         person = characters.persons[0]
         course.least = min(course.least, float(person.at[0]))
         course.shields |= bool((person.arm_mode == PLACED).any())

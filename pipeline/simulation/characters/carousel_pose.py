@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.person_controller import CharacterView, PersonController
+from pipeline.simulation.characters.character_view import CharacterView
+from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.playthings import SPOKES
 from pipeline.simulation.dynamics.compiled import Records, compiled, entry
 from pipeline.simulation.spatial import Array

@@ -20,6 +20,7 @@ from pipeline.simulation.characters.character_plans import (
     proportions_of,
     start_nodes,
 )
+from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.contact_response import new_touch_log
 from pipeline.simulation.characters.dance_task import (
     DanceGuides,
@@ -31,7 +32,6 @@ from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
 from pipeline.simulation.characters.pain_rise import PainRise
-from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import PLACED, REACHING, persons_of
 from pipeline.simulation.characters.pose_output import BallRotations, eye_aims, frame_poser
 from pipeline.simulation.characters.solid_arrays import SolidTracker

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.dance_task import Dance
 from pipeline.simulation.characters.grasp import hands_needed
@@ -17,7 +18,6 @@ from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.person_controller import (
     HANDS,
-    CharacterView,
     PersonController,
 )
 from pipeline.simulation.characters.person_tasks import Task, Turn, Walk

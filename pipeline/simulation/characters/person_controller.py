@@ -1,4 +1,4 @@
-"""Person controller: where characters are, and the commands of one acting person."""
+"""Person controller: the state and the commands of one acting person."""
 
 from __future__ import annotations
 
@@ -9,37 +9,25 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, SOLID, CharacterArrays
-from pipeline.simulation.characters.deck_choice import Decks, deck_height
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
+from pipeline.simulation.characters.character_view import CharacterView
+from pipeline.simulation.characters.deck_choice import deck_height
 from pipeline.simulation.characters.held_bar import find_held_place, push_node
-from pipeline.simulation.characters.hurdles import (
-    DEEPEST_STEP_OVER,
-    HIGHEST_STEP_OVER,
-    STILL_SPEED,
-)
+from pipeline.simulation.characters.hurdles import DEEPEST_STEP_OVER, HIGHEST_STEP_OVER
 from pipeline.simulation.characters.person_record import (
     HAND,
-    HEAD,
     HUGGING,
-    KNEE,
-    PELVIS,
     PLACED,
     SHOULDER,
-    SHOULDERS,
     STANDING,
     SWINGING,
 )
-from pipeline.simulation.characters.slots import Slots
-from pipeline.simulation.characters.visibility_route import LIGHT_MASS, MAX_CIRCLES, ObstacleCircles
-from pipeline.simulation.dynamics.compiled import Record, Records
+from pipeline.simulation.characters.visibility_route import MAX_CIRCLES
+from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.members import MemberState
 from pipeline.simulation.order_outcome import GripChange
-from pipeline.simulation.people.guided_dance import DanceGuide
-from pipeline.simulation.people.proportions import JOINTS, SEGMENTS
+from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain import Ground
-from pipeline.spec.model_base import Goal, Target
 
 HANDS: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
 """Numbers of hands by name."""
@@ -50,7 +38,6 @@ JOINED_GRIP = 2
 EMBRACE_RANGE = 2.0  # distance at which an embrace has ended, in arm lengths
 BODY_RADIUS = 0.17  # of a person on the ground, in heights
 CARRIED_MASS = 0.5  # up to which a gripped thing hangs from the hand, in the person's mass
-SIZE_FACTOR = 1.12  # from the height of the nodes of a standing person to its size
 
 HOLD_HEIGHT = 0.6  # of a thing between two hands, in heights
 UPRIGHT_BOW, UPRIGHT_CROUCH = 0.25, 0.06  # of the trunk as a tangent, of the legs
@@ -58,206 +45,7 @@ HAND_LEAD = 0.12  # by which hands that hold a thing are led at most [m]
 PARTING_TIME = 0.6  # in which a hand comes away from a bar that it has held [s]
 RUN_FROUDE = 1.1  # speed of the fastest run, in √(g l)
 
-SEGMENT_NAMES = tuple(SEGMENTS)
-"""Names of a person's segments, in the order of their links."""
-
 NO_CIRCLES = np.zeros((0, 2)), np.zeros(0)
-
-
-@dataclass(frozen=True, eq=False)
-class CharacterView:
-    """The places of all characters, by their number among the owners.
-
-    Attributes:
-        names: of all characters, in the order of the owners.
-        arrays: the characters.
-        ground: the terrain.
-        people: numbers of the owners with the joints of people.
-        obstacle_circles: obstacles of other rooms.
-        sub_step: [s].
-        members: states of members by name, one row ago.
-        places: places that orders give by their coordinates, by these as text.
-        body_masses: masses of bodies that can be pushed, by name [kg].
-        holders: names of the people that hold members of other rooms, by name.
-        slots: places on things that people have taken.
-        persons: `PERSON` records of acting people, by their number.
-        dances: what people dance that are told to, by name.
-    """
-
-    names: Sequence[str]
-    arrays: CharacterArrays
-    ground: Ground
-    people: frozenset[int]
-    obstacle_circles: ObstacleCircles
-    sub_step: float
-    members: dict[str, MemberState] = field(default_factory=dict)
-    places: dict[str, MemberState] = field(default_factory=dict)
-    body_masses: dict[str, float] = field(default_factory=dict)
-    holders: dict[str, str] = field(default_factory=dict)
-    slots: Slots = field(default_factory=Slots)
-    persons: dict[int, Record] = field(default_factory=dict)
-    dances: Mapping[str, DanceGuide] = field(default_factory=dict)
-
-    @cached_property
-    def decks(self) -> Decks:
-        """What people can stand on and be carried by."""
-        return Decks(self.arrays)
-
-    @cached_property
-    def p(self) -> Array:
-        """(N, 3) all nodes, always up to date [m]."""
-        return self.arrays.p
-
-    @cached_property
-    def edges(self) -> tuple[Array, Array]:
-        """Least and greatest x and z (2,) of a square within the terrain [m]."""
-        return self.ground.field.inner_bounds
-
-    @cached_property
-    def _spans(self) -> list[list[int]]:
-        return self.arrays.owners["nodes"].tolist()
-
-    @cached_property
-    def heavy_things(self) -> tuple[int, ...]:
-        """Numbers of things too heavy to be kicked away, balls excepted."""
-        owners = self.arrays.owners
-        things = (k for k in range(len(owners)) if k not in self.people)
-        return tuple(
-            k for k in things if owners["nodes"][k, 1] > 1 and owners["mass"][k] > LIGHT_MASS
-        )
-
-    def lying_things(self) -> list[int]:
-        """Return the numbers of limp people, and of balls that lie still."""
-        speeds = self.arrays.owners["speed"]
-        balls = [k for k in self._balls if speeds[k] < STILL_SPEED]
-        return [*self.limp_people, *balls]
-
-    @cached_property
-    def _balls(self) -> tuple[int, ...]:
-        return tuple(k for k, span in enumerate(self._spans) if span[1] == 1)
-
-    @cached_property
-    def limp_people(self) -> tuple[int, ...]:
-        """Numbers of limp people and dolls that are too heavy to be kicked away."""
-        owners = self.arrays.owners
-        return tuple(
-            k for k in self.people if not owners["acts"][k] and owners["mass"][k] > LIGHT_MASS
-        )
-
-    def number(self, name: str) -> int:
-        """Return the number of a character."""
-        return self.names.index(name)
-
-    def target_name(self, target: Goal | Target) -> str:
-        """Return the name of a target; a place without one gets that of its coordinates."""
-        if isinstance(target, str):
-            return target
-        name = str(list(target))
-        if name not in self.places:
-            x, z = target[0], target[-1]
-            y = target[1] if len(target) == 3 else self.ground_height(x, z)
-            self.places[name] = MemberState.of_place(np.array([x, y, z], dtype=float))
-        return name
-
-    def state(self, name: str) -> MemberState:
-        """Return the state of a target."""
-        return self.places[name] if name in self.places else self.members[name]
-
-    def owner(self, name: str) -> int:
-        """Return the number of a character, NOBODY for a member of another room."""
-        return self.names.index(name) if name in self.names else NOBODY
-
-    def is_ball(self, owner: int) -> bool:
-        """Tell whether a character is a ball: a single node."""
-        return self._spans[owner][1] == 1
-
-    def set_velocity(self, owner: int, v: Array) -> None:
-        """Give all nodes of a character a velocity (3,) [m/s]."""
-        nodes = self._wake(owner)
-        nodes["previous"] = nodes["p"] - self.sub_step * v
-
-    def _wake(self, owner: int) -> Records:
-        """Wake a character, and return its nodes."""
-        first, count = self._spans[owner]
-        nodes, state = self.arrays.nodes[first : first + count], self.arrays.owners[owner]
-        state.asleep, state.watch_time, state.still_count = False, 0.0, 0
-        resting = nodes["lock"] == RESTING
-        nodes["lock"][resting] = FREE
-        nodes["mobility"][resting] = nodes["inverse_mass"][resting]
-        nodes["anchor"] = nodes["p"]
-        return nodes
-
-    def push(self, owner: int, v: Array, slackness: float) -> None:
-        """Throw a character off balance.
-
-        Args:
-            owner: its number.
-            v: (3,) velocity that is added, of a person to all but its knees and feet [m/s].
-            slackness: of its muscles, 0 to 1.
-        """
-        nodes = self._wake(owner)
-        nodes["previous"][: KNEE if owner in self.people else None] -= self.sub_step * v
-        person = self.persons.get(owner)
-        if person is not None:
-            # The feet go along, or the legs would hold the body where it is.
-            person.velocity[0] += v[0]
-            person.velocity[1] += v[2]
-            person.stun = max(float(person.stun), slackness)
-
-    def strike(self, owner: int, segment: str, striker: int, energy: float) -> None:
-        """Let a segment of a person feel a blow of the right hand of another [J]."""
-        links = self.arrays.links
-        link = links[self._link(owner, segment)]
-        link.blow, link.age[0] = energy, 0.0
-        link.touched, link.touched_owner = self._link(striker, "forearm_r"), striker
-
-    def _link(self, owner: int, segment: str) -> int:
-        """Return the number of the link of a person's segment."""
-        return int(self.arrays.owners["links"][owner, 0]) + SEGMENT_NAMES.index(segment)
-
-    def speed_between(self, node: int, other: int) -> float:
-        """Return the relative speed of two nodes [m/s]."""
-        nodes = self.arrays.nodes
-        moved = nodes["p"] - nodes["previous"]
-        return math.dist(moved[node], moved[other]) / self.sub_step
-
-    def nodes(self, owner: int) -> Array:
-        """Return (n, 3) the nodes of a character [m]."""
-        first, count = self._spans[owner]
-        return self.p[first : first + count]
-
-    def _joint(self, owner: int, joint: int) -> Array:
-        """Return (3,) a joint of a person, or the middle of a thing [m]."""
-        nodes = self.nodes(owner)
-        return nodes[joint] if owner in self.people else nodes.mean(axis=0)
-
-    def middle(self, owner: int) -> Array:
-        """Return (3,) the chest of a person, or the middle of a thing [m]."""
-        return self._joint(owner, SHOULDERS)
-
-    def face(self, owner: int) -> Array:
-        """Return (3,) the place to look at in a character [m]."""
-        return self._joint(owner, HEAD)
-
-    def pelvis(self, owner: int) -> Array:
-        """Return (3,) the place to walk up to in a character [m]."""
-        return self._joint(owner, PELVIS)
-
-    def circle(self, owner: int) -> tuple[Array, float]:
-        """Return the middle (2,) and the radius of a circle around a character [m]."""
-        flat = self.nodes(owner)[:, [0, 2]]
-        middle = flat.mean(axis=0)
-        node_radius = float(self.arrays.nodes["radius"][self._spans[owner][0]])
-        offset = flat - middle
-        return middle, float(np.sqrt((offset * offset).sum(axis=1)).max()) + node_radius
-
-    def size(self, owner: int) -> float:
-        """Return the approximate height of a standing character [m]."""
-        return float(np.ptp(self.nodes(owner)[:, 1])) * SIZE_FACTOR
-
-    def ground_height(self, x: float, z: float) -> float:
-        """Return the height of the ground [m]."""
-        return float(self.ground.height(np.asarray(x), np.asarray(z)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.simulation.characters.act_things import mark_act_things
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
+from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.dance_task import Dance
@@ -27,7 +28,6 @@ from pipeline.simulation.characters.ordered_tasks import members_named, task_of_
 from pipeline.simulation.characters.person_controller import (
     HANDS,
     JOINED_GRIP,
-    CharacterView,
     PersonController,
 )
 from pipeline.simulation.characters.person_record import STANDING, SWINGING

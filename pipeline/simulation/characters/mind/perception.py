@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays
-from pipeline.simulation.characters.person_controller import BODY_RADIUS, CharacterView
+from pipeline.simulation.characters.person_controller import BODY_RADIUS
 from pipeline.simulation.characters.person_record import PELVIS
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
 from pipeline.simulation.dynamics.record_view import record_view

@@ -216,7 +216,7 @@ def test_orders_to_a_hopper_do_not_wait_for_its_own_start() -> None:
     [
         ("{when: {near: [bug, bug]}, who: bug, do: stop}", "cannot come near itself"),
         ("{when: {fell: nobody}, who: bug, do: stop}", "nobody in the cast is called 'nobody'"),
-        ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
+        ("{when: {touch: [bug, post], within: 2}, who: bug, do: stop}", "belongs to near"),
         ("{when: {arrived: bug, act: chase}, who: bug, do: stop}", "belongs to failed"),
         ("{when: {failed: bugg}, who: bug, do: stop}", "did you mean 'bug'"),
         ("{when: {failed: post}, who: bug, do: stop}", "people can carry, throw or kick it"),

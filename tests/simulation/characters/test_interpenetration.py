@@ -31,9 +31,9 @@ RESTS, DEEPEST = 0.005, 0.025
 
 
 def yard_cast() -> str:
-    """Return a cast of six wanderers of different speeds in a yard with things."""
+    """Return a cast of six wanderers of different speeds, the first by name, in a yard."""
     people = [
-        f"- {{name: w{k}, character: {'adult' if k % 3 == 0 else 'child'}, "
+        f"- {{name: a{k}, character: {'adult' if k % 3 == 0 else 'child'}, "
         f"at: [{5.0 * math.cos(k):.2f}, {5.0 * math.sin(k):.2f}], "
         f"traits: {{curiosity: 0.9, speed: {0.2 + 0.12 * k:.2f}}}, behaviours: [{{wander: 9}}]}}"
         for k in range(WALKERS)
@@ -92,6 +92,7 @@ def test_depth_in_a_box_is_measured_in_its_own_frame() -> None:
     arrays = characters.arrays
     assert depth_in_box(characters, "box") < -2.0
     # The radius of the edges is not part of the box.
-    middle = arrays.p[arrays.owners["nodes"][WALKERS, 0] :][:8].mean(axis=0)
+    owner = [member.name for member in characters.cast].index("box")
+    middle = arrays.p[arrays.owners["nodes"][owner, 0] :][:8].mean(axis=0)
     arrays.nodes["p"][:16] += middle - arrays.p[0]
     assert 0.25 < depth_in_box(characters, "box") < 0.45

@@ -84,7 +84,7 @@ def test_glance_rate_grows_with_priority() -> None:
 
 def test_characters_out_of_view_are_forgotten() -> None:
     cast = """
-- {name: one, character: child, at: [0, 0], traits: {}, behaviours: [{wander: 0}]}
+- {name: anna, character: child, at: [0, 0], traits: {}, behaviours: [{wander: 0}]}
 - {name: ball, character: ball, at: [-6, 0]}
 """
     made = simulation(cast, 1)
@@ -178,7 +178,7 @@ def test_a_blow_causes_withdrawal_from_the_striker() -> None:
 def test_withdrawal_avoids_obstacles(seed: int) -> None:
     cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
     cast += "- {name: two, character: child, at: [0.8, 0]}\n"
-    cast += "- {name: carousel, character: merry-go-round, at: [-1.9, 0]}"
+    cast += "- {name: wheel, character: merry-go-round, at: [-1.9, 0]}"
     made = simulation(cast, 1.5, f"seed: {seed}")
     characters = troupe(made)
     made.step()
@@ -218,9 +218,9 @@ def test_wandering_avoids_occupied_places() -> None:
 @pytest.mark.slow
 def test_a_running_hug_hurts_only_in_slapstick() -> None:
     cast = """
-- {name: mum, character: adult, at: [0, 0], traits: {}, behaviours: [{comfort: kid}]}
+- {name: dad, character: adult, at: [0, 0], traits: {}, behaviours: [{comfort: kid}]}
 - {name: kid, character: child, at: [6, 0.5], heading_deg: 180, slapstick: SLAP,
-   traits: {speed: 1, anxiety: 1}, behaviours: [{attachment: mum, urge: 1}]}
+   traits: {speed: 1, anxiety: 1}, behaviours: [{attachment: dad, urge: 1}]}
 """
     for slapstick in (False, True):
         did, fastest, hugged = set[str](), 0.0, False

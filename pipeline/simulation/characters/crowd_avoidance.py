@@ -2,9 +2,10 @@
 
 Each person that another will meet within a few seconds forbids a half plane of velocities. Two that
 both walk share the way that is to be made; of a standing person a walker makes all of it. Within
-all half planes, the velocity nearest to the wanted one is taken; in a throng where there is none,
-the one that offends least. Others are visited in order along x, so that a crowd costs little more
-than a few.
+all half planes, the velocity nearest to the wanted one is taken. In a throng where there is none,
+it keeps clear of their bodies and offends least against the space around them. Who gets no
+further squeezes through, for whom standing people make way. Others are visited in order along x,
+so that a crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4, linear programs in section 5.
@@ -17,8 +18,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
-from pipeline.simulation.characters.person_record import SITTING
+from pipeline.simulation.characters.person_record import SITTING, SWINGING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.spatial import Array
 
@@ -28,6 +31,14 @@ HORIZON = 3.0  # within which nobody is met [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
+TIGHT_SPACE = 0.32  # of one who squeezes through
+SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
+PATIENCE = 0.4  # of a walker before it squeezes through
+SQUEEZING = 0.007  # change of that in a step
+WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
+WAY_SPEED = 0.6  # at which they do [m/s]
+LEAST_SIDESTEP = 1e-3  # that is none [m/s]
+THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to the pace
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
@@ -36,6 +47,12 @@ HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pas
 SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
 PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
+
+
+def is_in_throng(person: Record) -> bool:
+    """Tell whether it is others, rather than things, who keep a walker from getting on."""
+    aside = math.hypot(person.sidestep[0], person.sidestep[1])
+    return bool(person.impatience > 0.0 and aside > THRONG_SIDESTEP * person.pace)
 
 
 @compiled
@@ -49,23 +66,70 @@ def avoid_people(persons: Records) -> None:
             n -= 1
         order[n] = i
     nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
+    seen = np.zeros(MOST_SEEN, dtype=np.int64)
     # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
-    lines = np.zeros((MOST_NEIGHBOURS, 4))
-    projected = np.zeros((MOST_NEIGHBOURS, 4))
+    lines = np.zeros((2 * MOST_NEIGHBOURS, 4))
+    projected = np.zeros((2 * MOST_NEIGHBOURS, 4))
     for n in range(len(order)):
         person = persons[order[n]]
         if not person.has_goal:
-            person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+            person.detour, person.impatience = 0.0, -PATIENCE
+            _make_way(persons, order, n)
             continue
         count = _find_nearest(persons, order, n, nearest)
         wanted_x, wanted_z = goal_velocity(person)
+        x, z = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
+        squeeze = max(person.impatience, 0.0)
+        own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - TIGHT_SPACE)
         for k in range(count):
-            _forbid(person, persons[nearest[k]], wanted_x, wanted_z, lines[k])
-        x, z = wanted_x, wanted_z
+            other = persons[nearest[k]]
+            _forbid(person, other, TIGHT_SPACE, x, z, lines[k])
+            _forbid(person, other, own_space, x, z, lines[count + k])
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
+        _squeeze(person, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - wanted_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - wanted_z - person.sidestep[1])
+
+
+@inlined
+def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
+    """Let a walker that hardly gets on squeeze through, and others keep their distance again."""
+    speed = wanted_x * wanted_x + wanted_z * wanted_z
+    gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
+    change = SQUEEZING if gain < SLOW * speed else -SQUEEZING
+    person.impatience = min(max(person.impatience + change, -PATIENCE), 1.0)
+
+
+@compiled
+def _make_way(persons: Records, order: Numbers, n: int) -> None:
+    """Let a standing person with nothing to do step aside for those who squeeze through."""
+    person = persons[order[n]]
+    x, z = 0.0, 0.0
+    free = person.partner == NOBODY and not person.has_facing and person.kick_foot < 0
+    for k in range(2):
+        free = free and person.arm_mode[k] == SWINGING
+    for direction in (-1, 1):
+        m = n + direction
+        while free and 0 <= m < len(order):
+            other = persons[order[m]]
+            dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
+            if abs(dx) > WAY_RANGE:
+                break
+            if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
+                gx, gz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+                far = max(math.hypot(gx, gz), 1e-9)
+                ahead, aside = (gx * dx + gz * dz) / far, (gx * dz - gz * dx) / far
+                if 0.0 < ahead < WAY_RANGE and abs(aside) < WAY_WIDTH:
+                    step = other.impatience * (1.0 - abs(aside) / WAY_WIDTH)
+                    step *= 1.0 if aside > 0.0 else -1.0
+                    x -= step * gz / far
+                    z += step * gx / far
+            m += direction
+    person.sidestep[0] += SMOOTHING * (WAY_SPEED * x - person.sidestep[0])
+    person.sidestep[1] += SMOOTHING * (WAY_SPEED * z - person.sidestep[1])
+    if math.hypot(person.sidestep[0], person.sidestep[1]) < LEAST_SIDESTEP:
+        person.sidestep[0], person.sidestep[1] = 0.0, 0.0
 
 
 @compiled
@@ -95,28 +159,37 @@ def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) ->
 
 
 @compiled
-def _forbid(one: Record, other: Record, wanted_x: float, wanted_z: float, line: Array) -> None:
+def _forbid(
+    one: Record, other: Record, own_space: float, wanted_x: float, wanted_z: float, line: Array
+) -> None:
     """Write the line of velocities beyond which one person would meet another."""
     shares = other.has_goal and not other.frozen and other.partner != one.owner
     share, own_x, own_z = 0.5, one.velocity[0], one.velocity[1]
     if not shares:
         # By its own velocity a walker that has stopped before a standing person would stay there.
         share, own_x, own_z = 1.0, wanted_x, wanted_z
-    space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
+    space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE
     # Nobody would arrive within the space of a person that stays there.
     beside = math.hypot(one.goal[0] - other.at[0], one.goal[1] - other.at[1])
     beside = min(max(beside, one.stop_distance), one.neighbour_distance)
-    space = min(space, BESIDE * beside)
+    tight = 0.5 * TIGHT_SPACE * (one.height + other.height)
+    tight = min(tight, BESIDE * one.neighbour_distance)
+    space = min(space, max(BESIDE * beside, tight))
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
     vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]
     vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
     is_apart = square > space * space
-    time = HORIZON if is_apart else PARTING_TIME
-    wx, wz = vx - x / time, vz - z / time
+    horizon = HORIZON
+    if one.impatience > 0.0:
+        # It will not go beyond its goal.
+        left = math.hypot(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
+        arrival = left / max(math.hypot(wanted_x, wanted_z), 1e-9)
+        horizon += one.impatience * (min(max(arrival, PARTING_TIME), HORIZON) - HORIZON)
+    wx, wz = vx - x / horizon, vz - z / horizon
     size, along = math.hypot(wx, wz), wx * x + wz * z
     if is_apart and (along >= 0.0 or along * along <= space * space * size * size):
         # A side of the cone of all velocities that meet: the nearer, if it is not about the same.
@@ -127,11 +200,18 @@ def _forbid(one: Record, other: Record, wanted_x: float, wanted_z: float, line: 
             dx, dz = -(x * leg + z * space) / square, (x * space - z * leg) / square
         part = vx * dx + vz * dz
         ux, uz = part * dx - vx, part * dz - vz
-    else:
+    elif is_apart:
         size = max(size, 1e-9)
         wx, wz = wx / size, wz / size
         dx, dz = wz, -wx
-        ux, uz = (space / time - size) * wx, (space / time - size) * wz
+        ux, uz = (space / horizon - size) * wx, (space / horizon - size) * wz
+    else:
+        # Straight away from one another: a cut-off circle so near has no side that is nearer.
+        distance = math.sqrt(square)
+        wx, wz = -x / distance, -z / distance
+        dx, dz = wz, -wx
+        more = (space - distance) / PARTING_TIME - (vx * wx + vz * wz)
+        ux, uz = more * wx, more * wz
     line[0], line[1] = own_x + share * ux, own_z + share * uz
     line[2], line[3] = dx, dz
 
@@ -150,21 +230,51 @@ def _allowed(
     """Return the velocity nearest to a wanted one that all lines allow, or that offends least.
 
     Args:
-        lines: of velocities, the first `count` rows.
+        lines: of velocities, `count` that keep clear of bodies, then those of personal space.
         projected: room for as many.
-        count: number of lines.
+        count: number of people.
         limit: greatest speed.
         x: of the wanted velocity.
         z: of the wanted velocity.
     """
-    failed, x, z = _nearest_velocity(lines, count, limit, x, z, False)
+    failed, x, z = _nearest_velocity(lines, 2 * count, limit, x, z, False)
+    if failed < count:
+        return _least_offence(lines, projected, 0, failed, count, limit, x, z)
+    return _least_offence(lines, projected, count, failed, 2 * count, limit, x, z)
+
+
+@compiled
+def _least_offence(
+    lines: Array,
+    projected: Array,
+    hard: int,
+    failed: int,
+    count: int,
+    limit: float,
+    x: float,
+    z: float,
+) -> tuple[float, float]:
+    """Return the velocity that keeps the first lines, and offends least against the others.
+
+    Args:
+        lines: of velocities, the first `count` rows.
+        projected: room for as many.
+        hard: number of lines that are kept.
+        failed: the first line that cannot be.
+        count: number of lines.
+        limit: greatest speed.
+        x: of the velocity found before.
+        z: of the same.
+    """
     worst = 0.0
     for i in range(failed, count):
         if _excess(lines[i], x, z) <= worst:
             continue
         # Among the velocities equally far beyond this line and each one before.
-        n = 0
-        for j in range(i):
+        n = hard
+        for j in range(hard):
+            projected[j] = lines[j]
+        for j in range(hard, i):
             sine = lines[i, 2] * lines[j, 3] - lines[i, 3] * lines[j, 2]
             if abs(sine) <= PARALLEL:
                 if lines[i, 2] * lines[j, 2] + lines[i, 3] * lines[j, 3] > 0.0:

@@ -30,6 +30,7 @@ from pipeline.simulation.dynamics.terrain_grid import Grid
 
 MAX_ACCELERATION = 0.22  # of the legs, in g
 BRAKING_ACCELERATION = 0.08  # before a goal, in g
+SHUFFLE_FROUDE = 0.15  # of steps aside or back without turning, in √(g l)
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
@@ -108,8 +109,25 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         # A far turn comes before the walk.
         turn_angle = abs(wrap_angle(math.atan2(-wz, wx) - person.heading))
         share = min(max((math.radians(115.0) - turn_angle) / math.radians(60.0), 0.0), 1.0)
+        share = max(share, min(_shuffle(person) / speed, 1.0))
         wx, wz = wx * share, wz * share
     return wx, wz
+
+
+@inlined
+def _shuffle(person: Record) -> float:
+    """Return the speed at which a person steps aside or back without turning [m/s].
+
+    One who turns to its goal does so first.
+    """
+    if person.sidestep[0] == 0.0 and person.sidestep[1] == 0.0:
+        return 0.0
+    speed = SHUFFLE_FROUDE * math.sqrt(GRAVITY * leg_length(person))
+    if not person.has_goal:
+        return speed
+    x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
+    turn = abs(wrap_angle(math.atan2(-z, x) - person.heading))
+    return speed * min(max((math.radians(115.0) - turn) / math.radians(60.0), 0.0), 1.0)
 
 
 @compiled
@@ -144,7 +162,9 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     elif person.has_goal and math.hypot(x, z) > max(
         person.stop_distance, 0.12 * leg_length(person)
     ):
-        target = math.atan2(-z - person.sidestep[1], x + person.sidestep[0])
+        # Near the goal a step aside would turn the person away from it.
+        scale = max(person.pace / math.hypot(x, z), 1.0)
+        target = math.atan2(-scale * z - person.sidestep[1], scale * x + person.sidestep[0])
     elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_length(person)):
         target = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:

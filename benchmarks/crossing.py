@@ -114,13 +114,14 @@ def scene_text(kind: str, size: int, seed: int) -> str:
             script.append(f"- {{at: {at:.2f}, who: {name}, do: {order}}}")
     if kind == "standing":
         for k in range(STANDERS):
-            at = np.array([rng.uniform(-2.5, 2.5), SPACING * (k - 2.5) + rng.uniform(-0.3, 0.3)])
-            cast.append(_person(f"s{k}", "adult", at, rng.uniform(-3.0, 3.0), rng))
+            aside = SPACING * (k - 2.5) + rng.uniform(-0.3, 0.3)
+            place = np.array([rng.uniform(-2.5, 2.5), aside])
+            cast.append(_person(f"s{k}", "adult", place, rng.uniform(-3.0, 3.0), rng))
     if kind == "gate":
-        for side in (-1.0, 1.0):
-            z = side * (0.5 * GATE + 0.5 * WALL)
+        for end in (-1.0, 1.0):
+            z = end * (0.5 * GATE + 0.5 * WALL)
             form = f"{{kind: box, size: [0.3, 2.2, {WALL}]}}"
-            cast.append(f"- {{name: wall{int(side > 0)}, prop: {form}, at: [0, 0, {z}]}}")
+            cast.append(f"- {{name: wall{int(end > 0)}, prop: {form}, at: [0, 0, {z}]}}")
     head = (
         f"pronk: 1\nduration: {DURATION:g}\nseed: {seed}\nterrain: {{kind: flat, size: [60, 60]}}"
     )

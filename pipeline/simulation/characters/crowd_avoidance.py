@@ -46,6 +46,10 @@ QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
+HEADWAY_TIME = 1.06  # to the one ahead [s]
+BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
+SLOWEST = 0.15  # behind others [m/s]
+
 PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
 
 
@@ -78,7 +82,7 @@ def avoid_people(persons: Records) -> None:
             continue
         count = _find_nearest(persons, order, n, nearest)
         wanted_x, wanted_z = goal_velocity(person)
-        x, z = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
+        x, z, in_crowd = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
         squeeze = max(person.impatience, 0.0)
         own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - TIGHT_SPACE)
         for k in range(count):
@@ -87,9 +91,33 @@ def avoid_people(persons: Records) -> None:
             _forbid(person, other, own_space, x, z, lines[count + k])
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
+            if in_crowd:
+                share = _headway_share(persons, person, nearest, count, x, z)
+                x, z = share * x, share * z
         _squeeze(person, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - wanted_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - wanted_z - person.sidestep[1])
+
+
+@compiled
+def _headway_share(
+    persons: Records, person: Record, nearest: Numbers, count: int, x: float, z: float
+) -> float:
+    """Return the share of a velocity at which a walker treads on nobody's heels."""
+    speed = math.hypot(x, z)
+    if speed < 1e-9:
+        return 1.0
+    limit = speed
+    for k in range(count):
+        other = persons[nearest[k]]
+        dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
+        size = 0.5 * (person.height + other.height)
+        ahead, aside = (dx * x + dz * z) / speed, abs(dz * x - dx * z) / speed
+        if ahead > 0.0 and aside < LANE * size:
+            room = max(ahead - BODY_DEPTH * size, 0.0) / HEADWAY_TIME
+            # Those at the edge of the lane hinder less.
+            limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / (LANE * size)) ** 2, 1e-3))
+    return limit / speed
 
 
 @inlined

@@ -33,8 +33,10 @@ MOST_SEEN = 24
 @compiled
 def head_for_gap(
     persons: Records, order: Numbers, n: int, seen: Numbers, x: float, z: float
-) -> tuple[float, float]:
+) -> tuple[float, float, bool]:
     """Return the wanted velocity of the n-th person in order, turned towards a gap.
+
+    Also tell whether it is in a crowd.
 
     Args:
         persons: `PERSON` records.
@@ -55,7 +57,7 @@ def head_for_gap(
         angle = _best_direction(persons, person, seen, count, x, z, speed, min(left, SIGHT))
     person.detour += TURNING * (angle - person.detour)
     c, s = math.cos(person.detour), math.sin(person.detour)
-    return c * x - s * z, s * x + c * z
+    return c * x - s * z, s * x + c * z, count >= CROWD
 
 
 @compiled

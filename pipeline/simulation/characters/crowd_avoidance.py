@@ -28,6 +28,7 @@ from pipeline.simulation.spatial import Array
 Numbers = NDArray[np.int64]
 
 HORIZON = 3.0  # within which nobody is met [s]
+SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
@@ -216,7 +217,8 @@ def _forbid(
         # It will not go beyond its goal.
         left = math.hypot(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
         arrival = left / max(math.hypot(wanted_x, wanted_z), 1e-9)
-        horizon += one.impatience * (min(max(arrival, PARTING_TIME), HORIZON) - HORIZON)
+        shortest = min(max(arrival, PARTING_TIME), SQUEEZING_HORIZON)
+        horizon += one.impatience * (shortest - HORIZON)
     wx, wz = vx - x / horizon, vz - z / horizon
     size, along = math.hypot(wx, wz), wx * x + wz * z
     if is_apart and (along >= 0.0 or along * along <= space * space * size * size):

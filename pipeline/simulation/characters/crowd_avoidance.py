@@ -32,7 +32,8 @@ SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar f
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
-TIGHT_SPACE = 0.36  # of one who squeezes through
+TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
+STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
 SQUEEZING = 0.007  # change of that in a step
@@ -85,10 +86,11 @@ def avoid_people(persons: Records) -> None:
         wanted_x, wanted_z = goal_velocity(person)
         x, z, in_crowd = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
         squeeze = max(person.impatience, 0.0)
-        own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - TIGHT_SPACE)
         for k in range(count):
             other = persons[nearest[k]]
-            _forbid(person, other, TIGHT_SPACE, x, z, lines[k])
+            tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
+            own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - tight)
+            _forbid(person, other, tight, x, z, lines[k])
             _forbid(person, other, own_space, x, z, lines[count + k])
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)

@@ -4,8 +4,9 @@ Each person that another will meet within a few seconds forbids a half plane of 
 both walk share the way that is to be made; of a standing person a walker makes all of it. Within
 all half planes, the velocity nearest to the wanted one is taken. In a throng where there is none,
 it keeps clear of their bodies and offends least against the space around them. Who gets no
-further squeezes through, for whom standing people make way. Others are visited in order along x,
-so that a crowd costs little more than a few.
+further squeezes through, for whom standing people make way. In a crowd walkers keep a headway, or
+their feet would strike the legs of those ahead. Others are visited in order along x, so that a
+crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4, linear programs in section 5.
@@ -18,6 +19,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
@@ -39,8 +41,10 @@ PATIENCE = 0.4  # of a walker before it squeezes through
 SQUEEZING = 0.007  # change of that in a step
 WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
 WAY_SPEED = 0.6  # at which they do [m/s]
+RETURN_SPEED = 0.3  # back to where they stood [m/s]
+AT_POST, FAR_FROM_POST = 0.08, 2.0  # distances from there: back again; driven off for good [m]
 LEAST_SIDESTEP = 1e-3  # that is none [m/s]
-THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to the pace
+THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
@@ -48,7 +52,7 @@ QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
-HEADWAY_TIME = 1.06  # to the one ahead [s]
+HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
 
@@ -58,7 +62,10 @@ PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
 def is_in_throng(person: Record) -> bool:
     """Tell whether it is others, rather than things, who keep a walker from getting on."""
     aside = math.hypot(person.sidestep[0], person.sidestep[1])
-    return bool(person.impatience > 0.0 and aside > THRONG_SIDESTEP * person.pace)
+    left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
+    # Near its goal it goes slowly anyway.
+    speed = min(person.pace, 0.5 * VELOCITY_GAIN * left)
+    return bool(person.impatience > 0.0 and aside > THRONG_SIDESTEP * speed)
 
 
 @compiled
@@ -82,6 +89,7 @@ def avoid_people(persons: Records) -> None:
             person.detour, person.impatience = 0.0, -PATIENCE
             _make_way(persons, order, n)
             continue
+        person.gave_way = False
         count = _find_nearest(persons, order, n, nearest)
         wanted_x, wanted_z = goal_velocity(person)
         x, z, in_crowd = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
@@ -134,15 +142,45 @@ def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
 
 @compiled
 def _make_way(persons: Records, order: Numbers, n: int) -> None:
-    """Let a standing person with nothing to do step aside for those who squeeze through."""
+    """Let a standing person with nothing to do step aside for those who squeeze through.
+
+    When they have passed, it goes back to where it stood, as soon as that is free.
+    """
     person = persons[order[n]]
     x, z = 0.0, 0.0
+    if _is_idle(person):
+        x, z = _way_asked(persons, order, n)
+        if x != 0.0 or z != 0.0:
+            if not person.gave_way:
+                person.gave_way = True
+                person.post[0], person.post[1] = person.at[0], person.at[1]
+        elif person.gave_way:
+            x, z = _way_back(persons, order, n)
+    else:
+        person.gave_way = False
+    person.sidestep[0] += SMOOTHING * (x - person.sidestep[0])
+    person.sidestep[1] += SMOOTHING * (z - person.sidestep[1])
+    if math.hypot(person.sidestep[0], person.sidestep[1]) < LEAST_SIDESTEP:
+        person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+
+
+@inlined
+def _is_idle(person: Record) -> bool:
+    """Tell whether a person without a goal stands about with nothing to do."""
     free = person.partner == NOBODY and not person.has_facing and person.kick_foot < 0
-    for k in range(2):
-        free = free and person.arm_mode[k] == SWINGING
+    swings = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
+    result: bool = free and swings and person.posture != SITTING
+    return result
+
+
+@compiled
+def _way_asked(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+    """Return the velocity at which a person makes way for those who squeeze through [m/s]."""
+    person = persons[order[n]]
+    x, z = 0.0, 0.0
     for direction in (-1, 1):
         m = n + direction
-        while free and 0 <= m < len(order):
+        while 0 <= m < len(order):
             other = persons[order[m]]
             dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
             if abs(dx) > WAY_RANGE:
@@ -157,10 +195,25 @@ def _make_way(persons: Records, order: Numbers, n: int) -> None:
                     x -= step * gz / far
                     z += step * gx / far
             m += direction
-    person.sidestep[0] += SMOOTHING * (WAY_SPEED * x - person.sidestep[0])
-    person.sidestep[1] += SMOOTHING * (WAY_SPEED * z - person.sidestep[1])
-    if math.hypot(person.sidestep[0], person.sidestep[1]) < LEAST_SIDESTEP:
-        person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+    return WAY_SPEED * x, WAY_SPEED * z
+
+
+@compiled
+def _way_back(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+    """Return the velocity at which a person goes back to its post, or end that [m/s]."""
+    person = persons[order[n]]
+    x, z = person.post[0] - person.at[0], person.post[1] - person.at[1]
+    left = math.hypot(x, z)
+    person.gave_way = AT_POST < left < FAR_FROM_POST
+    if not person.gave_way:
+        return 0.0, 0.0
+    for k in range(len(order)):
+        other = persons[order[k]]
+        room = 0.5 * PERSONAL_SPACE * (person.height + other.height)
+        off = math.hypot(person.post[0] - other.at[0], person.post[1] - other.at[1])
+        if k != n and off < room:
+            return 0.0, 0.0
+    return RETURN_SPEED * x / left, RETURN_SPEED * z / left
 
 
 @compiled

@@ -1,0 +1,55 @@
+"""Tests of people in crowds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.crossing import cross
+from pipeline.simulation.characters.characters import Characters
+from tests.simulation.characters.scripted_people import STEPS, play_scene
+
+
+def test_who_makes_way_goes_back_to_its_place() -> None:
+    def squeeze(troupe: Characters, step: int) -> None:
+        walker = troupe.persons[0]
+        walker.impatience = 1.0 if walker.at[0] < 0.3 else 0.0
+
+    scene = """
+duration: 8
+cast:
+  - {name: walker, character: adult, at: [-2, 0]}
+  - {name: stander, character: adult, at: [0, 0.15], heading_deg: 90}
+script:
+  - {at: 0, who: walker, do: {go_to: [2.5, 0]}}
+"""
+    play = play_scene(scene, squeeze)
+    assert play.when("walker")
+    place = play.joint("stander", "pelvis")[:, [0, 2]]
+    off = np.linalg.norm(place - place[0], axis=1)
+    assert off.max() > 0.15
+    assert off[-1] < 0.12
+
+
+def test_walkers_in_a_file_keep_a_headway_by_their_speed() -> None:
+    count, spacing = 7, 0.75
+    cast = [
+        f"  - {{name: w{k}, character: adult, at: [{-spacing * k:.2f}, 0]}}" for k in range(count)
+    ]
+    script = [
+        f"  - {{at: 0, who: w{k}, do: {{go_to: [{9.0 - 1.2 * k:.2f}, 0]}}}}" for k in range(count)
+    ]
+    play = play_scene("\n".join(["duration: 4", "cast:", *cast, "script:", *script]))
+    # Those with fewer people ahead follow as in a pair.
+    now = play.records[int(2.0 * STEPS)]
+    for k in range(5, count):
+        ahead = float(np.linalg.norm(now["at"][k - 1] - now["at"][k]))
+        speed = float(np.linalg.norm(now["velocity"][k]))
+        assert ahead > 0.25 + 0.8 * speed
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("kind", ["head-on", "corner"])
+def test_two_groups_cross_without_a_blow(kind: str) -> None:
+    out = cross(kind, 25, 1)
+    assert out.is_good, out.text()

@@ -103,7 +103,7 @@ def avoid_people(persons: Records) -> None:
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
             if in_crowd:
-                share = _headway_share(persons, person, nearest, count, x, z)
+                share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
         _squeeze(person, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - wanted_x - person.sidestep[0])
@@ -111,7 +111,7 @@ def avoid_people(persons: Records) -> None:
 
 
 @compiled
-def _headway_share(
+def headway_share(
     persons: Records, person: Record, nearest: Numbers, count: int, x: float, z: float
 ) -> float:
     """Return the share of a velocity at which a walker treads on nobody's heels."""

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from benchmarks.crossing import cross
 from pipeline.simulation.characters.characters import Characters
-from tests.simulation.characters.scripted_people import STEPS, play_scene
+from pipeline.simulation.characters.crowd_avoidance import headway_share
+from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.dynamics.record_array import zero_records
+from tests.simulation.characters.scripted_people import play_scene
 
 
 def test_who_makes_way_goes_back_to_its_place() -> None:
@@ -32,28 +37,19 @@ script:
     assert off[-1] < 0.12
 
 
-def test_walkers_in_a_crowd_keep_a_headway_by_their_speed() -> None:
-    count, spacing = 10, 0.6
-    cast = [
-        f"  - {{name: w{k}, character: adult, at: [{-spacing * k:.2f}, 0]}}" for k in range(count)
-    ]
-    script = [
-        f"  - {{at: 0, who: w{k}, do: {{go_to: [{9.0 - 1.2 * k:.2f}, 0]}}}}" for k in range(count)
-    ]
-    play = play_scene("\n".join(["duration: 3", "cast:", *cast, "script:", *script]))
-    followed = 0
-    # Later they have spread into lanes; those with fewer people ahead follow as in a pair.
-    for now in play.records[STEPS :: STEPS // 4]:
-        for k in range(4, count):
-            speed = float(np.linalg.norm(now["velocity"][k]))
-            way = now["velocity"][k] / speed
-            offset = now["at"] - now["at"][k]
-            ahead = offset @ way
-            aside = np.abs(offset @ np.array([-way[1], way[0]]))
-            near = ahead[(ahead > 0.0) & (aside < 0.2)]
-            followed += len(near)
-            assert (near > 0.2 + 0.8 * speed).all()
-    assert followed > 10
+@pytest.mark.parametrize(
+    ("ahead", "aside", "fastest"),
+    [(0.75, 0.0, 0.37), (1.3, 0.0, 0.89), (3.0, 0.0, 1.3), (0.75, 0.6, 1.3), (-0.75, 0.0, 1.3)],
+)
+def test_walkers_in_a_crowd_keep_a_headway_by_their_speed(
+    ahead: float, aside: float, fastest: float
+) -> None:
+    persons = zero_records(2, PERSON)
+    persons["height"] = 1.72
+    persons["at"][1] = ahead, aside
+    plain: Any = headway_share
+    share = plain.py_func(persons, persons[0], np.array([1]), 1, 1.3, 0.0)
+    assert 1.3 * share == pytest.approx(fastest, abs=0.01)
 
 
 @pytest.mark.nightly

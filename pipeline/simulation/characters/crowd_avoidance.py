@@ -2,9 +2,11 @@
 
 Each person that another will meet within a few seconds forbids a half plane of velocities. Two that
 both walk share the way that is to be made; of a standing person a walker makes all of it. Within
-all half planes, the velocity nearest to the wanted one is taken; in a throng where there is none,
-the one that offends least. Others are visited in order along x, so that a crowd costs little more
-than a few.
+all half planes, the velocity nearest to the wanted one is taken. In a throng where there is none,
+it keeps clear of their bodies and offends least against the space around them. Who gets no
+further squeezes through, for whom standing people make way. In a crowd walkers keep a headway, or
+their feet would strike the legs of those ahead. Others are visited in order along x, so that a
+crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4, linear programs in section 5.
@@ -17,17 +19,32 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
+from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
-from pipeline.simulation.characters.person_record import SITTING
+from pipeline.simulation.characters.person_record import SITTING, SWINGING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.spatial import Array
 
 Numbers = NDArray[np.int64]
 
 HORIZON = 3.0  # within which nobody is met [s]
+SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
+TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
+STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
+SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
+PATIENCE = 0.4  # of a walker before it squeezes through
+SQUEEZING = 0.007  # change of that in a step
+WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
+WAY_SPEED = 0.6  # at which they do [m/s]
+RETURN_SPEED = 0.3  # back to where they stood [m/s]
+AT_POST, FAR_FROM_POST = 0.08, 2.0  # distances from there: back again; driven off for good [m]
+LEAST_SIDESTEP = 1e-3  # that is none [m/s]
+THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
@@ -35,7 +52,20 @@ QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
+HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
+BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
+SLOWEST = 0.15  # behind others [m/s]
+
 PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
+
+
+def is_in_throng(person: Record) -> bool:
+    """Tell whether it is others, rather than things, who keep a walker from getting on."""
+    aside = math.hypot(person.sidestep[0], person.sidestep[1])
+    left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
+    # Near its goal it goes slowly anyway.
+    speed = min(person.pace, 0.5 * VELOCITY_GAIN * left)
+    return bool(person.impatience > 0.0 and aside > THRONG_SIDESTEP * speed)
 
 
 @compiled
@@ -49,23 +79,141 @@ def avoid_people(persons: Records) -> None:
             n -= 1
         order[n] = i
     nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
+    seen = np.zeros(MOST_SEEN, dtype=np.int64)
     # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
-    lines = np.zeros((MOST_NEIGHBOURS, 4))
-    projected = np.zeros((MOST_NEIGHBOURS, 4))
+    lines = np.zeros((2 * MOST_NEIGHBOURS, 4))
+    projected = np.zeros((2 * MOST_NEIGHBOURS, 4))
     for n in range(len(order)):
         person = persons[order[n]]
         if not person.has_goal:
-            person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+            person.detour, person.impatience = 0.0, -PATIENCE
+            _make_way(persons, order, n)
             continue
+        person.gave_way = False
         count = _find_nearest(persons, order, n, nearest)
         wanted_x, wanted_z = goal_velocity(person)
+        x, z, in_crowd = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
+        squeeze = max(person.impatience, 0.0)
         for k in range(count):
-            _forbid(person, persons[nearest[k]], wanted_x, wanted_z, lines[k])
-        x, z = wanted_x, wanted_z
+            other = persons[nearest[k]]
+            tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
+            own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - tight)
+            _forbid(person, other, tight, x, z, lines[k])
+            _forbid(person, other, own_space, x, z, lines[count + k])
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
+            if in_crowd:
+                share = headway_share(persons, person, nearest, count, x, z)
+                x, z = share * x, share * z
+        _squeeze(person, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - wanted_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - wanted_z - person.sidestep[1])
+
+
+@compiled
+def headway_share(
+    persons: Records, person: Record, nearest: Numbers, count: int, x: float, z: float
+) -> float:
+    """Return the share of a velocity at which a walker treads on nobody's heels."""
+    speed = math.hypot(x, z)
+    if speed < 1e-9:
+        return 1.0
+    limit = speed
+    for k in range(count):
+        other = persons[nearest[k]]
+        dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
+        size = 0.5 * (person.height + other.height)
+        ahead, aside = (dx * x + dz * z) / speed, abs(dz * x - dx * z) / speed
+        if ahead > 0.0 and aside < LANE * size:
+            room = max(ahead - BODY_DEPTH * size, 0.0) / HEADWAY_TIME
+            # Those at the edge of the lane hinder less.
+            limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / (LANE * size)) ** 2, 1e-3))
+    return limit / speed
+
+
+@inlined
+def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
+    """Let a walker that hardly gets on squeeze through, and others keep their distance again."""
+    speed = wanted_x * wanted_x + wanted_z * wanted_z
+    gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
+    change = SQUEEZING if gain < SLOW * speed else -SQUEEZING
+    person.impatience = min(max(person.impatience + change, -PATIENCE), 1.0)
+
+
+@compiled
+def _make_way(persons: Records, order: Numbers, n: int) -> None:
+    """Let a standing person with nothing to do step aside for those who squeeze through.
+
+    When they have passed, it goes back to where it stood, as soon as that is free.
+    """
+    person = persons[order[n]]
+    x, z = 0.0, 0.0
+    if _is_idle(person):
+        x, z = _way_asked(persons, order, n)
+        if x != 0.0 or z != 0.0:
+            if not person.gave_way:
+                person.gave_way = True
+                person.post[0], person.post[1] = person.at[0], person.at[1]
+        elif person.gave_way:
+            x, z = _way_back(persons, order, n)
+    else:
+        person.gave_way = False
+    person.sidestep[0] += SMOOTHING * (x - person.sidestep[0])
+    person.sidestep[1] += SMOOTHING * (z - person.sidestep[1])
+    if math.hypot(person.sidestep[0], person.sidestep[1]) < LEAST_SIDESTEP:
+        person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+
+
+@inlined
+def _is_idle(person: Record) -> bool:
+    """Tell whether a person without a goal stands about with nothing to do."""
+    free = person.partner == NOBODY and not person.has_facing and person.kick_foot < 0
+    swings = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
+    result: bool = free and swings and person.posture != SITTING
+    return result
+
+
+@compiled
+def _way_asked(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+    """Return the velocity at which a person makes way for those who squeeze through [m/s]."""
+    person = persons[order[n]]
+    x, z = 0.0, 0.0
+    for direction in (-1, 1):
+        m = n + direction
+        while 0 <= m < len(order):
+            other = persons[order[m]]
+            dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
+            if abs(dx) > WAY_RANGE:
+                break
+            if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
+                gx, gz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+                far = max(math.hypot(gx, gz), 1e-9)
+                ahead, aside = (gx * dx + gz * dz) / far, (gx * dz - gz * dx) / far
+                if 0.0 < ahead < WAY_RANGE and abs(aside) < WAY_WIDTH:
+                    step = other.impatience * (1.0 - abs(aside) / WAY_WIDTH)
+                    step *= 1.0 if aside > 0.0 else -1.0
+                    x -= step * gz / far
+                    z += step * gx / far
+            m += direction
+    return WAY_SPEED * x, WAY_SPEED * z
+
+
+@compiled
+def _way_back(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+    """Return the velocity at which a person goes back to its post, or end that [m/s]."""
+    person = persons[order[n]]
+    x, z = person.post[0] - person.at[0], person.post[1] - person.at[1]
+    left = math.hypot(x, z)
+    person.gave_way = AT_POST < left < FAR_FROM_POST
+    if not person.gave_way:
+        return 0.0, 0.0
+    for k in range(len(order)):
+        other = persons[order[k]]
+        room = 0.5 * PERSONAL_SPACE * (person.height + other.height)
+        off = math.hypot(person.post[0] - other.at[0], person.post[1] - other.at[1])
+        if k != n and off < room:
+            return 0.0, 0.0
+    return RETURN_SPEED * x / left, RETURN_SPEED * z / left
 
 
 @compiled
@@ -95,28 +243,38 @@ def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) ->
 
 
 @compiled
-def _forbid(one: Record, other: Record, wanted_x: float, wanted_z: float, line: Array) -> None:
+def _forbid(
+    one: Record, other: Record, own_space: float, wanted_x: float, wanted_z: float, line: Array
+) -> None:
     """Write the line of velocities beyond which one person would meet another."""
     shares = other.has_goal and not other.frozen and other.partner != one.owner
     share, own_x, own_z = 0.5, one.velocity[0], one.velocity[1]
     if not shares:
         # By its own velocity a walker that has stopped before a standing person would stay there.
         share, own_x, own_z = 1.0, wanted_x, wanted_z
-    space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
+    space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE
     # Nobody would arrive within the space of a person that stays there.
     beside = math.hypot(one.goal[0] - other.at[0], one.goal[1] - other.at[1])
     beside = min(max(beside, one.stop_distance), one.neighbour_distance)
-    space = min(space, BESIDE * beside)
+    tight = 0.5 * TIGHT_SPACE * (one.height + other.height)
+    tight = min(tight, BESIDE * one.neighbour_distance)
+    space = min(space, max(BESIDE * beside, tight))
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
     vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]
     vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
     is_apart = square > space * space
-    time = HORIZON if is_apart else PARTING_TIME
-    wx, wz = vx - x / time, vz - z / time
+    horizon = HORIZON
+    if one.impatience > 0.0:
+        # It will not go beyond its goal.
+        left = math.hypot(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
+        arrival = left / max(math.hypot(wanted_x, wanted_z), 1e-9)
+        shortest = min(max(arrival, PARTING_TIME), SQUEEZING_HORIZON)
+        horizon += one.impatience * (shortest - HORIZON)
+    wx, wz = vx - x / horizon, vz - z / horizon
     size, along = math.hypot(wx, wz), wx * x + wz * z
     if is_apart and (along >= 0.0 or along * along <= space * space * size * size):
         # A side of the cone of all velocities that meet: the nearer, if it is not about the same.
@@ -127,11 +285,18 @@ def _forbid(one: Record, other: Record, wanted_x: float, wanted_z: float, line: 
             dx, dz = -(x * leg + z * space) / square, (x * space - z * leg) / square
         part = vx * dx + vz * dz
         ux, uz = part * dx - vx, part * dz - vz
-    else:
+    elif is_apart:
         size = max(size, 1e-9)
         wx, wz = wx / size, wz / size
         dx, dz = wz, -wx
-        ux, uz = (space / time - size) * wx, (space / time - size) * wz
+        ux, uz = (space / horizon - size) * wx, (space / horizon - size) * wz
+    else:
+        # Straight away from one another: a cut-off circle so near has no side that is nearer.
+        distance = math.sqrt(square)
+        wx, wz = -x / distance, -z / distance
+        dx, dz = wz, -wx
+        more = (space - distance) / PARTING_TIME - (vx * wx + vz * wz)
+        ux, uz = more * wx, more * wz
     line[0], line[1] = own_x + share * ux, own_z + share * uz
     line[2], line[3] = dx, dz
 
@@ -150,21 +315,51 @@ def _allowed(
     """Return the velocity nearest to a wanted one that all lines allow, or that offends least.
 
     Args:
-        lines: of velocities, the first `count` rows.
+        lines: of velocities, `count` that keep clear of bodies, then those of personal space.
         projected: room for as many.
-        count: number of lines.
+        count: number of people.
         limit: greatest speed.
         x: of the wanted velocity.
         z: of the wanted velocity.
     """
-    failed, x, z = _nearest_velocity(lines, count, limit, x, z, False)
+    failed, x, z = _nearest_velocity(lines, 2 * count, limit, x, z, False)
+    if failed < count:
+        return _least_offence(lines, projected, 0, failed, count, limit, x, z)
+    return _least_offence(lines, projected, count, failed, 2 * count, limit, x, z)
+
+
+@compiled
+def _least_offence(
+    lines: Array,
+    projected: Array,
+    hard: int,
+    failed: int,
+    count: int,
+    limit: float,
+    x: float,
+    z: float,
+) -> tuple[float, float]:
+    """Return the velocity that keeps the first lines, and offends least against the others.
+
+    Args:
+        lines: of velocities, the first `count` rows.
+        projected: room for as many.
+        hard: number of lines that are kept.
+        failed: the first line that cannot be.
+        count: number of lines.
+        limit: greatest speed.
+        x: of the velocity found before.
+        z: of the same.
+    """
     worst = 0.0
     for i in range(failed, count):
         if _excess(lines[i], x, z) <= worst:
             continue
         # Among the velocities equally far beyond this line and each one before.
-        n = 0
-        for j in range(i):
+        n = hard
+        for j in range(hard):
+            projected[j] = lines[j]
+        for j in range(hard, i):
             sine = lines[i, 2] * lines[j, 3] - lines[i, 3] * lines[j, 2]
             if abs(sine) <= PARALLEL:
                 if lines[i, 2] * lines[j, 2] + lines[i, 3] * lines[j, 3] > 0.0:

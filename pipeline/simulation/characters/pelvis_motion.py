@@ -30,6 +30,9 @@ from pipeline.simulation.dynamics.terrain_grid import Grid
 
 MAX_ACCELERATION = 0.22  # of the legs, in g
 BRAKING_ACCELERATION = 0.08  # before a goal, in g
+SHUFFLE_FROUDE = 0.15  # of steps aside or back without turning, in √(g l)
+MAX_CRAB = math.radians(15.0)  # of the way that is walked from the heading
+MOST_FACED_AWAY = math.radians(100.0)  # the same, beyond which a person steps back instead
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
@@ -108,8 +111,25 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         # A far turn comes before the walk.
         turn_angle = abs(wrap_angle(math.atan2(-wz, wx) - person.heading))
         share = min(max((math.radians(115.0) - turn_angle) / math.radians(60.0), 0.0), 1.0)
+        share = max(share, min(_shuffle(person) / speed, 1.0))
         wx, wz = wx * share, wz * share
     return wx, wz
+
+
+@inlined
+def _shuffle(person: Record) -> float:
+    """Return the speed at which a person steps aside or back without turning [m/s].
+
+    One who turns to its goal does so first.
+    """
+    if person.sidestep[0] == 0.0 and person.sidestep[1] == 0.0:
+        return 0.0
+    speed = SHUFFLE_FROUDE * math.sqrt(GRAVITY * leg_length(person))
+    if not person.has_goal:
+        return speed
+    x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
+    turn = abs(wrap_angle(math.atan2(-z, x) - person.heading))
+    return speed * min(max((math.radians(115.0) - turn) / math.radians(60.0), 0.0), 1.0)
 
 
 @compiled
@@ -144,7 +164,10 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     elif person.has_goal and math.hypot(x, z) > max(
         person.stop_distance, 0.12 * leg_length(person)
     ):
-        target = math.atan2(-z - person.sidestep[1], x + person.sidestep[0])
+        # Near the goal a step aside would turn the person away from it.
+        scale = max(person.pace / math.hypot(x, z), 1.0)
+        target = math.atan2(-scale * z - person.sidestep[1], scale * x + person.sidestep[0])
+        target += _turn_to_way(person, target)
     elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_length(person)):
         target = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:
@@ -152,6 +175,23 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     rate = min(max(3.2 * wrap_angle(target - person.heading), -MAX_YAW_RATE), MAX_YAW_RATE)
     person.yaw_rate += min(max(9.0 * (rate - person.yaw_rate), -14.0), 14.0) * dt
     person.heading = wrap_angle(person.heading + person.yaw_rate * dt)
+
+
+@inlined
+def _turn_to_way(person: Record, heading: float) -> float:
+    """Return the turn by which a heading comes near enough to the way that is walked [rad].
+
+    Legs of one who walks aside for long spread as wide as its steps.
+    """
+    goal_x, goal_z = goal_velocity(person)
+    x, z = goal_x + person.sidestep[0], goal_z + person.sidestep[1]
+    speed = math.hypot(x, z)
+    if speed < SHUFFLE_FROUDE * math.sqrt(GRAVITY * leg_length(person)):
+        return 0.0
+    turn = wrap_angle(math.atan2(-z, x) - heading)
+    if abs(turn) > MOST_FACED_AWAY:
+        return 0.0
+    return turn - min(max(turn, -MAX_CRAB), MAX_CRAB)
 
 
 @compiled

@@ -137,6 +137,13 @@ PERSON = np.dtype(
         ("stop_distance", "f8"),
         ("pace", "f8"),
         ("sidestep", "f8", 2),
+        # Turn from the way to the goal towards a gap in a crowd [rad].
+        ("detour", "f8"),
+        # How much it squeezes through where it gets no further, 0 to 1.
+        ("impatience", "f8"),
+        # Whether it has left a place to make way, and that place, x and z [m].
+        ("gave_way", "?"),
+        ("post", "f8", 2),
         # Distance to others that it accepts where it goes, as beside those on a bench [m].
         ("neighbour_distance", "f8"),
         # Velocity added to keep off what it avoids [m/s]; the foot that kicks, -1 for none; the

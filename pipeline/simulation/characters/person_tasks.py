@@ -14,6 +14,7 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.carousel_pose import way_off_deck
+from pipeline.simulation.characters.crowd_avoidance import is_in_throng
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.task_progress import TaskProgress
@@ -25,6 +26,8 @@ from pipeline.spec.keyframes import Frame, PoseKey
 
 SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights
 BLOCKED_TIME = 2.0  # without getting on, after which a way is blocked [s]
+THRONG_TIME = 15.0  # the same, where others are in the way who walk, too [s]
+AMONG_OTHERS = 0.5  # from its goal at which a walker stops whom others let no nearer [m]
 VAIN_TIME = 8.0  # without coming nearer along the way, after which a walk is in vain [s]
 POSTURE_PATIENCE = 8.0  # to turn, to stand up or to come to stand [s]
 TURN_TOLERANCE = math.radians(3.0)
@@ -115,6 +118,8 @@ class Walk(Task):
         person = controller.record
         if self.goal is not None and person.has_goal:
             self.stick(self.approach.advance(controller, self.goal, dt), self.approach)
+            if person.impatience >= 1.0 and math.dist(person.at, self.goal) < AMONG_OTHERS:
+                controller.stop()
         return not person.has_goal and controller.is_standing
 
 
@@ -217,10 +222,15 @@ def walking_failure(
     person = controller.record
     if person.frozen or person.sit_blend > 0.0:
         return ""
-    if progress.update(left, dt, person.at) > BLOCKED_TIME:
+    if is_in_throng(person):
+        # Others go on sooner or later.
+        blocked_time, vain_time = THRONG_TIME, THRONG_TIME
+    else:
+        blocked_time, vain_time = BLOCKED_TIME, VAIN_TIME
+    if progress.update(left, dt, person.at) > blocked_time:
         return f"the way is blocked at {place_text(controller)}, {left:.1f} m from it"
-    if progress.idle_time > VAIN_TIME:
-        return f"has come no nearer for {VAIN_TIME:g} s at {place_text(controller)}"
+    if progress.idle_time > vain_time:
+        return f"has come no nearer for {vain_time:g} s at {place_text(controller)}"
     return ""
 
 

@@ -1,0 +1,129 @@
+"""Gap choice: in a crowd, the direction in which a walker gets nearest to its goal.
+
+Half planes alone make two dense groups that meet stand before one another: nobody gives way as
+far as the next gap, which may be to the side. So a walker that sees several people looks in some
+directions for how far it would get before it met somebody, and heads for the one that leads
+nearest to its goal. People who walk the same way open gaps for one another, so lanes form.
+
+Source: Moussaïd, Helbing and Theraulaz 2011, eq. 1.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+
+Numbers = NDArray[np.int64]
+
+SIGHT = 6.0  # distance ahead up to which gaps are judged [m]
+CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
+WIDEST = math.radians(70.0)  # to either side of the way to the goal
+DIRECTIONS = 10  # to each side
+GAP = 0.42  # between the middles of two people, in heights
+HABIT = 0.85  # cost of the direction nearest to the one taken before, relative to others
+RIGHT_SIDE = 0.02  # part of its cost by which a direction to the right is better
+TURNING = 0.03  # share of the way to a new direction that is taken in a step
+MOST_SEEN = 24
+
+
+@compiled
+def head_for_gap(
+    persons: Records, order: Numbers, n: int, seen: Numbers, x: float, z: float
+) -> tuple[float, float, bool]:
+    """Return the wanted velocity of the n-th person in order, turned towards a gap.
+
+    Also tell whether it is in a crowd.
+
+    Args:
+        persons: `PERSON` records.
+        order: their numbers along x.
+        n: the person's place in the order.
+        seen: room for those it sees.
+        x: of its velocity to the goal [m/s].
+        z: of the same.
+    """
+    person = persons[order[n]]
+    speed = math.hypot(x, z)
+    count = 0
+    if speed > 0.1:
+        count = _people_ahead(persons, order, n, seen, x / speed, z / speed)
+    angle = 0.0
+    if count >= CROWD:
+        left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
+        angle = _best_direction(persons, person, seen, count, x, z, speed, min(left, SIGHT))
+    person.detour += TURNING * (angle - person.detour)
+    c, s = math.cos(person.detour), math.sin(person.detour)
+    return c * x - s * z, s * x + c * z, count >= CROWD
+
+
+@compiled
+def _people_ahead(
+    persons: Records, order: Numbers, n: int, seen: Numbers, x: float, z: float
+) -> int:
+    """Write the numbers of people before a person that goes along x, z; return how many."""
+    person = persons[order[n]]
+    count = 0
+    for direction in (-1, 1):
+        m = n + direction
+        while 0 <= m < len(order) and count < MOST_SEEN:
+            other = persons[order[m]]
+            dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
+            if abs(dx) > SIGHT:
+                break
+            is_other = other.owner != person.partner
+            if is_other and dx * dx + dz * dz < SIGHT * SIGHT and dx * x + dz * z > 0.0:
+                seen[count] = order[m]
+                count += 1
+            m += direction
+    return count
+
+
+@compiled
+def _best_direction(
+    persons: Records,
+    person: Record,
+    seen: Numbers,
+    count: int,
+    x: float,
+    z: float,
+    speed: float,
+    farthest: float,
+) -> float:
+    """Return the turn from the way to the goal that leads nearest to it [rad]."""
+    best, cheapest = 0.0, math.inf
+    for k in range(-DIRECTIONS, DIRECTIONS + 1):
+        angle = k * WIDEST / DIRECTIONS
+        c, s = math.cos(angle), math.sin(angle)
+        free = farthest
+        for m in range(count):
+            free = min(free, _free_way(person, persons[seen[m]], c * x - s * z, s * x + c * z))
+        cost = farthest * farthest + free * free - 2.0 * farthest * free * c
+        if abs(angle - person.detour) < 0.6 * WIDEST / DIRECTIONS:
+            cost *= HABIT
+        if k > 0:
+            cost *= 1.0 - RIGHT_SIDE
+        if cost < cheapest:
+            best, cheapest = angle, cost
+    return best
+
+
+@inlined
+def _free_way(person: Record, other: Record, vx: float, vz: float) -> float:
+    """Return how far a person gets at a velocity before it meets another [m]."""
+    x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
+    gap = 0.5 * GAP * (person.height + other.height)
+    square = x * x + z * z
+    gap = min(gap, 0.95 * math.sqrt(square))
+    wx, wz = vx - other.velocity[0], vz - other.velocity[1]
+    along, speed = x * wx + z * wz, wx * wx + wz * wz
+    if along <= 0.0:
+        return math.inf
+    root = along * along - speed * (square - gap * gap)
+    if root < 0.0:
+        return math.inf
+    time = (along - math.sqrt(root)) / speed
+    return time * math.hypot(vx, vz)

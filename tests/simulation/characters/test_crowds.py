@@ -1,0 +1,59 @@
+"""Tests of people in crowds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.crossing import cross
+from pipeline.simulation.characters.characters import Characters
+from pipeline.simulation.characters.crowd_avoidance import headway_share
+from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.dynamics.record_array import zero_records
+from tests.simulation.characters.scripted_people import play_scene
+
+
+def test_who_makes_way_goes_back_to_its_place() -> None:
+    def squeeze(troupe: Characters, step: int) -> None:
+        # Records are in the order of the names.
+        walker = troupe.persons[0]
+        walker.impatience = 1.0 if walker.at[0] < 0.3 else 0.0
+
+    scene = """
+duration: 7
+cast:
+  - {name: anna, character: adult, at: [-2, 0]}
+  - {name: ben, character: adult, at: [0, 0.15], heading_deg: 90}
+script:
+  - {at: 0, who: anna, do: {go_to: [2.5, 0]}}
+"""
+    play = play_scene(scene, squeeze)
+    assert play.when("anna")
+    place = play.joint("ben", "pelvis")[:, [0, 2]]
+    off = np.linalg.norm(place - place[0], axis=1)
+    assert off.max() > 0.15
+    assert off[-1] < 0.12
+
+
+@pytest.mark.parametrize(
+    ("ahead", "aside", "fastest"),
+    [(0.75, 0.0, 0.37), (1.3, 0.0, 0.89), (3.0, 0.0, 1.3), (0.75, 0.6, 1.3), (-0.75, 0.0, 1.3)],
+)
+def test_walkers_in_a_crowd_keep_a_headway_by_their_speed(
+    ahead: float, aside: float, fastest: float
+) -> None:
+    persons = zero_records(2, PERSON)
+    persons["height"] = 1.72
+    persons["at"][1] = ahead, aside
+    plain: Any = headway_share
+    share = plain.py_func(persons, persons[0], np.array([1]), 1, 1.3, 0.0)
+    assert 1.3 * share == pytest.approx(fastest, abs=0.01)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("kind", ["head-on", "corner"])
+def test_two_groups_cross_without_a_blow(kind: str) -> None:
+    out = cross(kind, 25, 1)
+    assert out.is_good, out.text()

@@ -268,12 +268,13 @@ def _forbid(
     vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
     is_apart = square > space * space
     horizon = HORIZON
-    if one.impatience > 0.0:
-        # It will not go beyond its goal.
+    is_beside = one.neighbour_distance < math.inf
+    if one.impatience > 0.0 or is_beside:
+        # It will not go beyond its goal, least of all one that takes a place beside others.
         left = math.hypot(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
         arrival = left / max(math.hypot(wanted_x, wanted_z), 1e-9)
         shortest = min(max(arrival, PARTING_TIME), SQUEEZING_HORIZON)
-        horizon += one.impatience * (shortest - HORIZON)
+        horizon += (1.0 if is_beside else one.impatience) * (shortest - HORIZON)
     wx, wz = vx - x / horizon, vz - z / horizon
     size, along = math.hypot(wx, wz), wx * x + wz * z
     if is_apart and (along >= 0.0 or along * along <= space * space * size * size):

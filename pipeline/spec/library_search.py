@@ -98,10 +98,21 @@ def _dance_references(scene: MappingNode) -> References:
         if "dancer" in member.entries:
             name = member.get("dance") or ScalarNode(member.place, DEFAULT_DANCE)
             yield ("cast", i, "dance"), name
-    for i, order in _mappings(scene, "script"):
-        do = order.get("do")
+    yield from _danced(scene, "script", ())
+    story = scene.get("story")
+    for b, beat in _mappings(story, "beats") if isinstance(story, MappingNode) else ():
+        path: Steps = ("story", "beats", b)
+        yield from _danced(beat, "do", path)
+        for c, choice in _mappings(beat, "choices"):
+            yield from _danced(choice, "do", (*path, "choices", c))
+
+
+def _danced(holder: MappingNode, key: str, path: Steps) -> References:
+    """Yield the dances of a list of instructions."""
+    for i, instruction in _mappings(holder, key):
+        do = instruction.get("do")
         if isinstance(do, MappingNode):
-            yield ("script", i, "do", "dance"), do.get("dance")
+            yield (*path, key, i, "do", "dance"), do.get("dance")
 
 
 FIGURE_BLOCK = LibraryBlock(

@@ -153,3 +153,12 @@ def test_a_story_is_part_of_the_key_of_a_take() -> None:
     keys = {simulation_key(scene_of(beats(after(when)))) for when in ("{}", "{after: play}")}
     keys.add(simulation_key(read_scene(CAST)))
     assert len(keys) == 3
+
+
+def test_beats_and_choices_name_dances_of_the_library() -> None:
+    """They are found as those of a script are."""
+    dance = "do: [{who: anna, do: {dance: NAME}}]"
+    for beat in (f"lasts: 3, {dance}", f"lasts: 3, choices: [{{name: z, {dance}}}]"):
+        story = f"{{beats: [{{name: x, {beat}}}]}}"
+        assert list(scene_of(story.replace("NAME", "macarena")).dances) == ["macarena"]
+        assert "did you mean 'macarena'" in problem_of(story.replace("NAME", "macarenna"))

@@ -74,7 +74,7 @@ class Characters(Troupe):
         # contacts are resolved, one after the other.
         cast = sorted(cast, key=lambda member: member.name)
         self.world, self.cast = world, cast
-        self.dances = DanceGuides(cast, guide, world.script)
+        self.dances = DanceGuides(cast, guide, world.instructions)
         dt = world.clock.dt
         self.count = math.ceil(dt * SUB_STEP_RATE - 1e-9)
         self.plans = [plan_of(member) for member in cast]

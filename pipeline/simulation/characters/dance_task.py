@@ -122,7 +122,7 @@ class DanceGuides:
     Args:
         cast: characters.
         make: makes the dances of one of them; None if nobody can dance.
-        script: of the scene.
+        instructions: of the scene, with their paths in it.
 
     Attributes:
         guides: by the name of the person.
@@ -132,15 +132,18 @@ class DanceGuides:
     """
 
     def __init__(
-        self, cast: Sequence[Character], make: GuideMaker | None, script: Sequence[Instruction]
+        self,
+        cast: Sequence[Character],
+        make: GuideMaker | None,
+        instructions: Sequence[tuple[str, Instruction]],
     ) -> None:
         self.guides: dict[str, DanceGuide] = {}
         self._members = {member.name: member for member in cast if member.acts}
         self._make = make
         refusals = Refusals()
-        for i, instruction in enumerate(script):
+        for path, instruction in instructions:
             with refusals.gathered():
-                self.prepare(instruction, f"script[{i}]")
+                self.prepare(instruction, path)
         refusals.refuse()
 
     def prepare(self, instruction: Instruction, path: str) -> None:

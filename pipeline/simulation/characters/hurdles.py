@@ -274,7 +274,7 @@ def _look(person: Record, dt: float) -> None:
     near_v = min(max(v, -person.hurdle_half[1]), person.hurdle_half[1]) - v
     x, z = near_u * middle[2] - near_v * middle[3], near_u * middle[3] + near_v * middle[2]
     bearing = abs(wrap_angle(math.atan2(-z, x) - person.gaze[0]))
-    # Who is at it already looks farther.
+    # A person that has come up to it looks beyond it.
     is_in_view = bearing < HALF_VIEW and math.hypot(x, z) > TOO_NEAR * leg_length(person)
     hurries = run_blend(ground_speed(person), leg_length(person)) > 0.5
     if is_in_view and not hurries:

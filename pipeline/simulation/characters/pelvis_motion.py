@@ -181,7 +181,7 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
 def _turn_to_way(person: Record, heading: float) -> float:
     """Return the turn by which a heading comes near enough to the way that is walked [rad].
 
-    Legs of one who walks aside for long spread as wide as its steps.
+    A person that keeps walking sideways would spread its legs as wide as its steps.
     """
     goal_x, goal_z = goal_velocity(person)
     x, z = goal_x + person.sidestep[0], goal_z + person.sidestep[1]

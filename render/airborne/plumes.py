@@ -24,7 +24,7 @@ from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice, noise3
 from render.plume import SMOKE_WIDENING, Plume
 
-STEPS = {"flame": 26, "smoke": 22}
+STEPS = {"flame": 40, "smoke": 22}
 """Samples along a ray through a plume."""
 
 _LIGHT_STEPS = (0.25, 0.6, 1.1)
@@ -160,12 +160,21 @@ class PlumeVolume:
         wide = self._radius * (0.72 + 1.5 * s * (1.0 - s)) * dr.sqrt(dr.maximum(1.0 - s, 0.0))
         wide = dr.maximum(wide, 0.02 * self._radius)
         out = (x * x + z * z) / (wide * wide)
-        noise = self._noise(2.1 * x * size, 0.8 * up, 2.1 * z * size, octaves)
-        body = 0.95 - out - 0.3 * s + (3.2 + 2.6 * s) * (noise - 0.54)
+        # Tongues curl: the noise that parts them is bent by a slower one.
+        bend = 0.55 * (0.3 + s) * self._radius
+        slow = 1.3 * size
+        x, z = (
+            x + bend * (2.0 * noise3(slow * x + 3.7, 0.9 * up, slow * z + self._seed[0]) - 1.0),
+            z + bend * (2.0 * noise3(slow * x + 9.1, 0.9 * up, slow * z + self._seed[1]) - 1.0),
+        )
+        noise = self._noise(2.6 * x * size, 0.75 * up, 2.6 * z * size, octaves)
+        body = 0.9 - out - 0.35 * s + (3.6 + 3.4 * s) * (noise - 0.54)
         is_inside = (y > 0.0) & (y < self._height) & (out < 2.5)
-        share = dr.clip(2.6 * body, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
-        share = dr.select(is_inside, share, 0.0)
-        heat = dr.clip(0.85 * body + 0.12 - 0.3 * s, 0.0, 1.0)
+        share = dr.clip(5.0 * body, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
+        # Gas burns where it meets the air: flames are bright sheets about a darker core.
+        sheet = dr.exp(-dr.square((body - 0.3) / 0.24))
+        share = dr.select(is_inside, share * (0.3 + 0.9 * sheet), 0.0)
+        heat = dr.clip(0.5 * body + 0.34 - 0.42 * s, 0.0, 1.0)
         return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, wide
 
     def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:

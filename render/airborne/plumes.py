@@ -157,7 +157,7 @@ class PlumeVolume:
         x = x + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 2.5) - 1.0)
         z = z + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 8.5) - 1.0)
         # Narrow at the foot, widest low, and drawn out to a point.
-        wide = self._radius * (0.72 + 1.5 * s * (1.0 - s)) * dr.sqrt(dr.maximum(1.0 - s, 0.0))
+        wide = self._radius * (0.5 + 2.2 * s * (1.0 - s)) * dr.sqrt(dr.maximum(1.0 - s, 0.0))
         wide = dr.maximum(wide, 0.02 * self._radius)
         out = (x * x + z * z) / (wide * wide)
         # Tongues curl: the noise that parts them is bent by a slower one.
@@ -209,8 +209,8 @@ class PlumeVolume:
         """Return the radiance of the plume at a place if it hid all behind it."""
         if self.kind == "flame":
             # Soot at 1200 to 2000 K: the cooler the redder, and by far the darker.
-            tone = self._color * mi.Color3f(1.0, 0.5 + 1.1 * heat, 0.2 + 1.6 * heat * heat)
-            return tone * (self._glow / _FLAME_DEPTH * (0.06 + 2.4 * heat * heat))
+            tone = self._color * mi.Color3f(1.0, 0.4 + 1.1 * heat, 0.1 + 1.2 * heat * heat)
+            return tone * (self._glow / _FLAME_DEPTH * (0.12 + 5.2 * heat * heat))
         depth = mi.Float(0.0)
         before = 0.0
         for place in _LIGHT_STEPS:

@@ -67,7 +67,7 @@ def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStra
     """Return a ray through every pixel. Not recorded: some lenses cannot be."""
     column, row = pixels % size[0], pixels // size[0]
     if strata.grid[0] * strata.grid[1] <= FEW:
-        place = _even_place(column, row, strata)
+        place = even_place(column, row, strata)
     else:
         place = sample_2d(pixels, strata, EMITTER_PAIR)
     lens = sample_2d(pixels, strata, BSDF_PAIR)
@@ -76,7 +76,7 @@ def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStra
     return mi.Ray3f(ray.o, ray.d)
 
 
-def _even_place(column: Any, row: Any, strata: StepStrata) -> Any:
+def even_place(column: Any, row: Any, strata: StepStrata) -> Any:
     """Return the place in a pixel of a pass among few, on a Hammersley set.
 
     All pixels have the same places, so that an edge is an even staircase and stands still from
@@ -84,7 +84,7 @@ def _even_place(column: Any, row: Any, strata: StepStrata) -> Any:
     is mirrored, for edges of either slope.
     """
     count = strata.grid[0] * strata.grid[1]
-    bits = max(count - 1, 1).bit_length()
+    bits = (count - 1).bit_length()
     x = (mi.Float(strata.k) + 0.5) / count
     y = mi.radical_inverse_2(strata.k, 0) + 0.5 / 2**bits
     return mi.Point2f(x, dr.select(((column + row) & 1) == 0, y, 1.0 - y))

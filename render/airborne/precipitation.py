@@ -187,7 +187,8 @@ class Precipitation:
         width = 0.007 + 0.6 * pixel
         shape = dr.maximum(1.0 - dr.abs(away - ring) / width, 0.0) * (0.007 / width)
         shape = shape * shape
-        center = dr.maximum(1.0 - away / (0.006 * size + pixel), 0.0) * dr.maximum(1.0 - 2.5 * age, 0.0)
+        center = dr.maximum(1.0 - away / (0.006 * size + pixel), 0.0)
+        center *= dr.maximum(1.0 - 2.5 * age, 0.0)
         fade = dr.clip((normal.y - 0.75) / 0.15, 0.0, 1.0)
         fade *= dr.clip(2.0 - 2.0 * distance / _SPLASH_REACH, 0.0, 1.0)
         share = (1.0 - age) * size * (0.12 * shape + 0.4 * center) * fade

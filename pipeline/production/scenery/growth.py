@@ -21,9 +21,12 @@ from render.color import linear
 from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
-Habitat = Literal["open", "turf", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"]
+Habitat = Literal[
+    "open", "turf", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"
+]
 """Where a species grows: in the open, there as turf, in tufts, in tufts where nobody walks, or in
-loose clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground as well."""
+loose clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground, too.
+"""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""

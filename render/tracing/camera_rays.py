@@ -83,10 +83,14 @@ def even_place(column: Any, row: Any, strata: StepStrata) -> Any:
     frame to frame, where few random places make it a row of beads. In every other pixel the set
     is mirrored, for edges of either slope.
     """
-    count = strata.grid[0] * strata.grid[1]
-    bits = (count - 1).bit_length()
-    x = (mi.Float(strata.k) + 0.5) / count
-    y = mi.radical_inverse_2(strata.k, 0) + 0.5 / 2**bits
+    count, bits = strata.grid[0] * strata.grid[1], 0
+    k: Any = strata.k
+    y: Any = mi.Float(0.0)
+    while 2**bits < count:
+        bits += 1
+        y += mi.Float((k >> (bits - 1)) & 1) / 2**bits
+    x = (mi.Float(k) + 0.5) / count
+    y += 0.5 / 2**bits
     return mi.Point2f(x, dr.select(((column + row) & 1) == 0, y, 1.0 - y))
 
 

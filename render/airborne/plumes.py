@@ -24,7 +24,7 @@ from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice, noise3
 from render.plume import SMOKE_WIDENING, Plume
 
-STEPS = {"flame": 26, "smoke": 22}
+STEPS = {"flame": 40, "smoke": 22}
 """Samples along a ray through a plume."""
 
 _LIGHT_STEPS = (0.25, 0.6, 1.1)
@@ -157,15 +157,24 @@ class PlumeVolume:
         x = x + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 2.5) - 1.0)
         z = z + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 8.5) - 1.0)
         # Narrow at the foot, widest low, and drawn out to a point.
-        wide = self._radius * (0.72 + 1.5 * s * (1.0 - s)) * dr.sqrt(dr.maximum(1.0 - s, 0.0))
+        wide = self._radius * (0.5 + 2.2 * s * (1.0 - s)) * dr.sqrt(dr.maximum(1.0 - s, 0.0))
         wide = dr.maximum(wide, 0.02 * self._radius)
         out = (x * x + z * z) / (wide * wide)
-        noise = self._noise(2.1 * x * size, 0.8 * up, 2.1 * z * size, octaves)
-        body = 0.95 - out - 0.3 * s + (3.2 + 2.6 * s) * (noise - 0.54)
+        # Tongues curl: the noise that parts them is bent by a slower one.
+        bend = 0.55 * (0.3 + s) * self._radius
+        slow = 1.3 * size
+        x, z = (
+            x + bend * (2.0 * noise3(slow * x + 3.7, 0.9 * up, slow * z + self._seed[0]) - 1.0),
+            z + bend * (2.0 * noise3(slow * x + 9.1, 0.9 * up, slow * z + self._seed[1]) - 1.0),
+        )
+        noise = self._noise(2.6 * x * size, 0.75 * up, 2.6 * z * size, octaves)
+        body = 0.9 - out - 0.35 * s + (3.6 + 3.4 * s) * (noise - 0.54)
         is_inside = (y > 0.0) & (y < self._height) & (out < 2.5)
-        share = dr.clip(2.6 * body, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
-        share = dr.select(is_inside, share, 0.0)
-        heat = dr.clip(0.85 * body + 0.12 - 0.3 * s, 0.0, 1.0)
+        share = dr.clip(5.0 * body, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
+        # Gas burns where it meets the air: flames are bright sheets about a darker core.
+        sheet = dr.exp(-dr.square((body - 0.3) / 0.24))
+        share = dr.select(is_inside, share * (0.3 + 0.9 * sheet), 0.0)
+        heat = dr.clip(0.5 * body + 0.34 - 0.42 * s, 0.0, 1.0)
         return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, wide
 
     def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
@@ -200,8 +209,8 @@ class PlumeVolume:
         """Return the radiance of the plume at a place if it hid all behind it."""
         if self.kind == "flame":
             # Soot at 1200 to 2000 K: the cooler the redder, and by far the darker.
-            tone = self._color * mi.Color3f(1.0, 0.5 + 1.1 * heat, 0.2 + 1.6 * heat * heat)
-            return tone * (self._glow / _FLAME_DEPTH * (0.06 + 2.4 * heat * heat))
+            tone = self._color * mi.Color3f(1.0, 0.4 + 1.1 * heat, 0.1 + 1.2 * heat * heat)
+            return tone * (self._glow / _FLAME_DEPTH * (0.12 + 5.2 * heat * heat))
         depth = mi.Float(0.0)
         before = 0.0
         for place in _LIGHT_STEPS:

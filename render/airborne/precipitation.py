@@ -40,6 +40,9 @@ class Layer:
         apart: distance between two planes of a family [m].
         cell: width and height of a cell, which holds one drop at most [m].
         size: radius of what is in a cell [m].
+        length: of a streak [m]; 0 for flakes. Far off, the streaks of drops one above the other
+            run together.
+        opacity: of what is in a cell.
     """
 
     nearest: float
@@ -47,6 +50,8 @@ class Layer:
     apart: float
     cell: tuple[float, float]
     size: float
+    length: float
+    opacity: float
 
 
 @dataclass(frozen=True)
@@ -55,39 +60,31 @@ class Kind:
 
     Attributes:
         speed: of its fall [m/s].
-        length: of a streak [m]; 0 for flakes.
-        opacity: of one drop.
         sway: amplitude of its swaying [m].
         layers: of planes, from near to far.
     """
 
     speed: float
-    length: float
-    opacity: float
     sway: float
     layers: tuple[Layer, ...]
 
 
 RAIN = Kind(
     8.0,
-    8.0 * SEEN,
-    0.3,
     0.0,
     (
-        Layer(0.9, 7.0, 0.6, (0.17, 0.6), 0.001),
-        Layer(7.0, 25.0, 2.0, (0.13, 0.55), 0.003),
-        Layer(25.0, 70.0, 7.0, (0.24, 0.8), 0.010),
+        Layer(0.9, 7.0, 0.6, (0.17, 0.6), 0.001, 8.0 * SEEN, 0.26),
+        Layer(7.0, 25.0, 2.0, (0.13, 0.9), 0.003, 0.5, 0.2),
+        Layer(25.0, 70.0, 7.0, (0.24, 2.0), 0.010, 1.3, 0.16),
     ),
 )
 SNOW = Kind(
     1.3,
-    0.0,
-    0.85,
     0.05,
     (
-        Layer(0.4, 6.0, 0.6, (0.26, 0.26), 0.0042),
-        Layer(6.0, 22.0, 1.8, (0.21, 0.21), 0.0095),
-        Layer(22.0, 70.0, 6.0, (0.30, 0.30), 0.028),
+        Layer(0.4, 6.0, 0.6, (0.26, 0.26), 0.0042, 0.0, 0.85),
+        Layer(6.0, 22.0, 1.8, (0.21, 0.21), 0.0095, 0.0, 0.85),
+        Layer(22.0, 70.0, 6.0, (0.30, 0.30), 0.028, 0.0, 0.85),
     ),
 )
 
@@ -185,14 +182,16 @@ class Precipitation:
         z = 0.3 + 0.4 * lattice(a, b, turn + 2)
         away = _SPLASH_CELL * _length(column - i - x, row - j - z)
         pixel = pixel_angle * distance
-        ring = 0.008 + 0.034 * age
-        width = 0.009 + 0.6 * pixel
-        shape = dr.maximum(1.0 - dr.abs(away - ring) / width, 0.0) * (0.009 / width)
+        size = 0.4 + 0.9 * dr.square(lattice(a, b, turn + 3))
+        ring = size * (0.008 + 0.034 * age)
+        width = 0.007 + 0.6 * pixel
+        shape = dr.maximum(1.0 - dr.abs(away - ring) / width, 0.0) * (0.007 / width)
         shape = shape * shape
-        center = dr.maximum(1.0 - away / (0.007 + pixel), 0.0) * dr.maximum(1.0 - 2.5 * age, 0.0)
+        center = dr.maximum(1.0 - away / (0.006 * size + pixel), 0.0)
+        center *= dr.maximum(1.0 - 2.5 * age, 0.0)
         fade = dr.clip((normal.y - 0.75) / 0.15, 0.0, 1.0)
         fade *= dr.clip(2.0 - 2.0 * distance / _SPLASH_REACH, 0.0, 1.0)
-        share = (1.0 - age) * (0.2 * shape + 0.45 * center) * fade
+        share = (1.0 - age) * size * (0.12 * shape + 0.4 * center) * fade
         return dr.select(is_there & (age < 1.0), dr.clip(share, 0.0, 1.0), 0.0)
 
     def _through(self, kind: Kind, amount: Any, ray: Any, distance: Any, pixel_angle: Any) -> Any:
@@ -290,14 +289,16 @@ class _Grid:
         pixel = pixel_angle * t
         sway = kind.sway * dr.sin(2.1 * time + 6.3 * shift) if kind.sway else 0.0
         aside = (u / wide - column - 0.2 - 0.6 * lattice(a, b, mi.UInt32(salt + 1))) * wide - sway
-        if kind.length:
+        if layer.length:
             aside = dr.abs(aside * slant)
-            margin = 0.5 * kind.length / high
+            margin = 0.5 * layer.length / high
             middle = margin + (1.0 - 2.0 * margin) * lattice(a, b, mi.UInt32(salt + 2))
             up = dr.abs(y - row - middle) * high
-            ends = dr.clip(2.0 * (1.0 - up / (0.5 * kind.length)), 0.0, 1.0)
-            width = layer.size + 0.6 * pixel
-            shape = dr.maximum(1.0 - aside / width, 0.0) * (layer.size / width) * ends
+            # A streak has no hard ends, and small drops, the most of them, are hardly seen.
+            ends = dr.maximum(1.0 - dr.square(up / (0.5 * layer.length)), 0.0)
+            size = layer.size * (0.4 + 1.2 * dr.square(lattice(a, b, mi.UInt32(salt + 3))))
+            width = size + 0.6 * pixel
+            shape = dr.maximum(1.0 - aside / width, 0.0) * (size / width) * ends
         else:
             size = layer.size * (0.6 + 0.8 * lattice(a, b, mi.UInt32(salt + 3)))
             up = (y - row - 0.2 - 0.6 * lattice(a, b, mi.UInt32(salt + 2))) * high
@@ -305,4 +306,4 @@ class _Grid:
             # Round as it is seen, where the grid leans.
             away = _length(aside * slant + up * lean_aside, up) / width
             shape = dr.maximum(1.0 - away * away, 0.0) * dr.square(size / width)
-        return dr.select(is_there, kind.opacity * dr.minimum(shape, 1.0), 0.0)
+        return dr.select(is_there, layer.opacity * dr.minimum(shape, 1.0), 0.0)

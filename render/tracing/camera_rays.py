@@ -24,6 +24,9 @@ from render.tracing.stratification import (
     sample_2d,
 )
 
+FEW = 16
+"""Number of passes up to which rays go through the same places of all pixels."""
+
 _STEP = 1 << 10
 """Step of the strata for the time of a ray: no path is so long."""
 
@@ -62,12 +65,33 @@ class CameraView:
 
 def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStrata) -> Any:
     """Return a ray through every pixel. Not recorded: some lenses cannot be."""
-    place = sample_2d(pixels, strata, EMITTER_PAIR)
-    lens = sample_2d(pixels, strata, BSDF_PAIR)
     column, row = pixels % size[0], pixels // size[0]
+    if strata.grid[0] * strata.grid[1] <= FEW:
+        place = even_place(column, row, strata)
+    else:
+        place = sample_2d(pixels, strata, EMITTER_PAIR)
+    lens = sample_2d(pixels, strata, BSDF_PAIR)
     film = mi.Point2f((mi.Float(column) + place.x) / size[0], (mi.Float(row) + place.y) / size[1])
     ray, _ = sensor.sample_ray(0.0, 0.5, film, lens)
     return mi.Ray3f(ray.o, ray.d)
+
+
+def even_place(column: Any, row: Any, strata: StepStrata) -> Any:
+    """Return the place in a pixel of a pass among few, on a Hammersley set.
+
+    All pixels have the same places, so that an edge is an even staircase and stands still from
+    frame to frame, where few random places make it a row of beads. In every other pixel the set
+    is mirrored, for edges of either slope.
+    """
+    count, bits = strata.grid[0] * strata.grid[1], 0
+    k: Any = strata.k
+    y: Any = mi.Float(0.0)
+    while 2**bits < count:
+        bits += 1
+        y += mi.Float((k >> (bits - 1)) & 1) / 2**bits
+    x = (mi.Float(k) + 0.5) / count
+    y += 0.5 / 2**bits
+    return mi.Point2f(x, dr.select(((column + row) & 1) == 0, y, 1.0 - y))
 
 
 def central_ray(sensor: Any, pixels: Any, size: tuple[int, int]) -> Any:

@@ -42,9 +42,10 @@ _LEAST_ROUGHNESS = 6e-4
 _FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 3.0
 """Depth in which foam lies at a shore [m], and relative to the mean height of the waves."""
 
-_FOAM_SHARE, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.0, 16.0, 0.85, 0.6
-"""Share of the surface that foam hides where it is thick: on calm water, for each metre of the
-mean height of waves, and at most; and share of light that foam sends back."""
+_FOAM_FROM, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.004, 16.0, 0.85, 0.6
+"""Mean height of waves from which there is foam [m]: calm water has none; share of the surface that
+foam hides where it is thick, for each metre beyond and at most; share of light that it sends
+back."""
 
 _FOAM_CELLS = (0.31, 0.083)
 """Widths of patches and of bubbles of foam [m]."""
@@ -141,7 +142,7 @@ class Water:
             mi.Color3f(glow.tolist()),
             mi.Color3f(foam.tolist()),
             mi.Float(_FOAM_CALM + _FOAM_PER_HEIGHT * height),
-            mi.Float(min(_FOAM_SHARE + _SHARE_PER_HEIGHT * height, _FOAM_MOST)),
+            mi.Float(min(_SHARE_PER_HEIGHT * max(height - _FOAM_FROM, 0.0), _FOAM_MOST)),
             mi.Float(1e-3),
             _mean_focus(waves),
         )

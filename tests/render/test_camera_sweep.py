@@ -63,3 +63,27 @@ def test_a_post_beside_the_way_is_blurred_as_by_many_moments(
     )
     error = np.abs(few - whole).mean()
     assert np.abs(jumping - whole).mean() > 4 * error
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 16])
+def test_few_passes_go_through_the_same_places_of_all_pixels(
+    renderer: Renderer, count: int
+) -> None:
+    import mitsuba as mi
+
+    from render.tracing.camera_rays import even_place
+    from render.tracing.stratification import PassStrata, stratum_grid
+
+    column, row = mi.UInt32([0, 1, 4]), mi.UInt32([0, 0, 2])
+    places = np.array(
+        [
+            np.array(even_place(column, row, PassStrata(7, k, stratum_grid(count)).step(0)))
+            for k in range(count)
+        ]
+    )
+    # An edge along either axis has as many steps as there are passes.
+    strips = (np.arange(count) + 0.5) / count
+    for axis in (0, 1):
+        np.testing.assert_allclose(np.sort(places[:, axis], axis=0).T, [strips] * 3, atol=1e-6)
+    np.testing.assert_array_equal(places[..., 0], places[..., 2])
+    np.testing.assert_allclose(places[:, 1, 0], 1.0 - places[:, 1, 1], atol=1e-6)

@@ -19,7 +19,7 @@ from pipeline.production.edging.house_materials import AFTER_DARK, MATERIALS_OF_
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import furnish
-from pipeline.production.edging.street import PAVEMENT, row_of_houses, single_house
+from pipeline.production.edging.street import PAVEMENT, rows_of_houses, single_house
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView
@@ -141,7 +141,7 @@ YARD = 5.0
 STEPPED = 0.3
 """Difference of height from which a house on natural ground stands at its highest part [m]."""
 
-BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
+BEHIND = (("bush", 3.1, 0.85), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
 """What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
 
 
@@ -360,6 +360,8 @@ def _on_ground(choice: EdgingChoice, setting: Setting) -> Border:
         stonework.wall(border, FENCED, 0.85)
         border.undergrowth(FENCED + 0.4, FOOT_OF_FENCE)
         border.undergrowth(FENCED - 0.45, FOOT_OF_FENCE)
+        # Its level top is broken by what stands behind it.
+        border.undergrowth(FENCED + 1.4, BEHIND)
     else:
         _build(border, choice.along, AWAY, steps)
     return border
@@ -374,7 +376,7 @@ def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
         stand_fence(border, FENCED, "edging weathered")
         border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
     elif word == "houses":
-        row_of_houses(border, out)
+        rows_of_houses(border, out)
         furniture.lamps(border, out - PAVEMENT - 0.35, 8.0)
     else:
         near = CLOSE if steps is not None else out

@@ -38,6 +38,9 @@ WOODS = ("shutter green", "shutter blue", "shutter brown", "shutter grey")
 ROOFS = ("tile red", "tile brown", "tile dark")
 """Tiles, mixed on each roof."""
 
+MIXES = ((0.5, 0.35, 0.15), (0.12, 0.6, 0.28), (0.04, 0.2, 0.76))
+"""Shares of the tiles, by the kind of a roof."""
+
 AWNINGS = ("awning red", "awning green", "awning blue")
 
 
@@ -73,6 +76,8 @@ class House:
         plaster: material of its walls.
         shuttered: chance that its windows have shutters.
         flowery: whether there are boxes of flowers on its upper sills.
+        attic: height of the wall over its upper windows [m].
+        mix: of the tiles on its roof, of `MIXES`.
         flowers: points (3,) at which flowers grow in them [m], once it is built.
     """
 
@@ -89,6 +94,8 @@ class House:
     plaster: str = "cream"
     shuttered: float = 0.65
     flowery: bool = False
+    attic: float = 0.0
+    mix: int = 0
     flowers: list[Array] = field(default_factory=list)
 
     @property
@@ -99,7 +106,7 @@ class House:
     @property
     def tall(self) -> float:
         """Height of the facade over the threshold [m]."""
-        return tall(self.storeys)
+        return tall(self.storeys) + self.attic
 
     def build(self) -> None:
         """Add all of it."""
@@ -117,6 +124,9 @@ class House:
                 middle = (bay + 0.5) * wide / self.bays - 0.5 * wide
                 self._wall(middle, low, high, opening)
                 self._window(middle, low, opening, wood, has_shutters and storey > 0)
+        if self.attic > 0.0:
+            middle, size = self.tall - 0.5 * self.attic, (wide, self.attic, WALL)
+            self.add(self.plaster, (0.0, middle, -0.5 * WALL), size)
         self._gables(wide, deep)
         self._trim(wide, deep)
         self._steps()
@@ -339,7 +349,7 @@ class House:
             for left, right in pairwise(edges.tolist()):
                 if right - left < 1e-6:
                     continue
-                tile = str(self.rng.choice(ROOFS, p=(0.5, 0.35, 0.15)))
+                tile = str(self.rng.choice(ROOFS, p=MIXES[self.mix]))
                 spot = (0.5 * (left + right) - 0.5) * over
                 # Each course lies on the one below.
                 self.add(

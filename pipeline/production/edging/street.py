@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.border import CLEAR, FOREGROUND, Border
-from pipeline.production.edging.house import PLASTERS, House, bays, tall
+from pipeline.production.edging.house import MIXES, PLASTERS, House, bays, tall
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import pots
 from pipeline.production.edging.turned import ivy
@@ -22,6 +22,9 @@ from pipeline.simulation.spatial import Array
 
 DEEP = 8.0
 """Depth of a house [m]."""
+
+ROWS, YARD = 3, 8.5
+"""Rows of houses one behind the other, and the depth of the yards between two rows [m]."""
 
 PAVEMENT = 2.1
 """Depth of the pavement before a row of houses [m]."""
@@ -42,6 +45,9 @@ LONGEST_PATH = 32
 
 FENCE, PICKET = 5.2, 0.14
 """Distance of the fence of a school from its facade, and of its pickets from one another [m]."""
+
+ATTIC = 0.9
+"""Greatest height of the wall over the upper windows of a house in a row [m]."""
 
 FLOWERY, CLIMBERS = 0.6, 0.5
 """Shares of the houses with flowers on their sills, and of corners where a plant climbs."""
@@ -89,16 +95,22 @@ class Site:
         return Plot(middle, self.along, np.array([0.5 * self.width, 0.5 * (DEEP + front)]))
 
 
-def row_of_houses(border: Border, out: float) -> None:
-    """Add rows of town houses with a pavement along all sides where they may stand.
+def rows_of_houses(border: Border, out: float) -> None:
+    """Add rows of town houses along all sides where they may stand, and roofs behind them.
 
     Args:
         border: to which they are added.
-        out: distance of the facades from the floor [m].
+        out: distance of the first facades from the floor [m].
     """
-    rng = np.random.default_rng([border.seed, 461])
+    for number in range(ROWS):
+        _row(border, out + number * (DEEP + YARD), number)
+
+
+def _row(border: Border, out: float, number: int) -> None:
+    """Add a row of houses at a distance from the floor [m]; the first has a pavement."""
+    rng = np.random.default_rng([border.seed, 461, *[number] * (number > 0)])
     before = -1
-    for site in _sites(border, out, rng):
+    for site in _sites(border, out, rng, number):
         wash = int(rng.integers(0, len(PLASTERS) - 1))
         # Neighbours have different colours.
         before = wash = wash + (wash >= before >= 0)
@@ -116,10 +128,13 @@ def row_of_houses(border: Border, out: float) -> None:
             *(level, _foot(border, site), one, int(one.integers(0, count)), is_shop),
             PLASTERS[wash],
             flowery=bool(one.uniform() < FLOWERY),
+            attic=float(one.uniform(0.0, ATTIC)),
+            mix=int(one.integers(0, len(MIXES))),
         )
         house.build()
-        dress(border, house, one)
-        _pavement(house, float(ground.max()) - level)
+        if number == 0:
+            dress(border, house, one)
+            _pavement(house, float(ground.max()) - level)
         border.plots.append(site.plot(PAVEMENT + 0.3))
 
 
@@ -214,8 +229,8 @@ def _sides(border: Border, out: float) -> list[tuple[Array, Array, Array]]:
     ]
 
 
-def _sites(border: Border, out: float, rng: np.random.Generator) -> list[Site]:
-    """Return the sites of houses side by side along all sides."""
+def _sites(border: Border, out: float, rng: np.random.Generator, number: int) -> list[Site]:
+    """Return the sites of houses side by side along all sides; those behind are taller."""
     sites = []
     for outward, start, end in _sides(border, out):
         length, at = float(np.linalg.norm(end - start)), 0.0
@@ -224,7 +239,7 @@ def _sites(border: Border, out: float, rng: np.random.Generator) -> list[Site]:
                 # A lane, or a garden with trees.
                 at += float(rng.uniform(3.0, 6.5))
             width = float(rng.uniform(6.0, 9.4))
-            storeys = int(rng.choice((2, 2, 3)))
+            storeys = int(rng.choice((2, 2, 3, 3))) + (number > 0)
             place = start + (at + 0.5 * width) * _way(start, end)
             place = place + float(rng.uniform(0.0, 0.5)) * outward
             sites.append(Site(place, outward, width, storeys))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,14 +48,14 @@ class FilmView:
     Attributes:
         eyes: (P, 3) [m].
         targets: (P, 3) [m].
-        ahead: (P, 3) unit vectors.
-        angles: (P,) from there to the corners of the frame [rad].
+        axes: (P, 3, 3) unit vectors to the right, up and ahead, as rows.
+        half: (P, 2) angles from the middle of the frame to its sides and to its top [rad].
     """
 
     eyes: Array
     targets: Array
-    ahead: Array
-    angles: Array
+    axes: Array
+    half: Array
 
     @staticmethod
     def of(poses: Sequence[CameraPose], aspect: float) -> FilmView:
@@ -62,11 +63,42 @@ class FilmView:
         some = poses[:: -(-len(poses) // MAX_POSES)]
         eyes = np.array([pose.p_WC for pose in some], float)
         targets = np.array([pose.p_WT for pose in some], float)
-        ahead = targets - eyes
-        ahead /= np.linalg.norm(ahead, axis=-1, keepdims=True)
+        axes = np.array([pose.axes for pose in some], float)
         half = np.tan(np.radians([pose.fov_deg for pose in some]) / 2.0)
-        corner = np.arctan(half * np.hypot(1.0, aspect))
-        return FilmView(eyes, targets, ahead, corner + np.radians(MARGIN_DEG))
+        return FilmView(eyes, targets, axes, np.arctan(half[:, None] * [aspect, 1.0]))
+
+    @property
+    def ahead(self) -> Array:
+        """Unit vectors (P, 3) from the eyes to their targets."""
+        return np.asarray(self.axes[:, 2])
+
+    @cached_property
+    def angles(self) -> Array:
+        """Angles (P,) from there to beyond the corners of the frame [rad]."""
+        corner = np.arctan(np.linalg.norm(np.tan(self.half), axis=-1))
+        return np.asarray(corner + np.radians(MARGIN_DEG))
+
+    def sees(self, points: Array, radii: Array) -> NDArray[np.bool_]:
+        """Return which things (N,) any camera has in its frame, or nearly so.
+
+        Args:
+            points: (N, 3) their middles [m].
+            radii: (N,) [m].
+        """
+        result = np.zeros(len(points), bool)
+        half = self.half + np.radians(MARGIN_DEG)
+        sine, cosine = np.sin(half), np.cos(half)
+        step = max(CHUNK // len(self.eyes), 1)
+        for start in range(0, len(points), step):
+            part = slice(start, start + step)
+            way = points[part, None] - self.eyes[None]
+            aside, up, ahead = (np.einsum("npk,pk->np", way, self.axes[:, k]) for k in range(3))
+            aside, up = np.abs(aside), np.abs(up)
+            radius = radii[part, None]
+            inside = aside * cosine[:, 0] - ahead * sine[:, 0] < radius
+            inside &= up * cosine[:, 1] - ahead * sine[:, 1] < radius
+            result[part] = (inside & (ahead > -radius)).any(axis=1)
+        return result
 
     @property
     def path_length(self) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.production.scenery.prototype import Shape, band_faces, outward, unit
 from pipeline.simulation.spatial import Array
 
-SIDES, RINGS = 32, 5
+SIDES, RINGS = 32, 6
 """Vertices around a trunk, and rings of a piece of it."""
 
 RIDGES = 8
@@ -48,7 +48,7 @@ def add_furrowed_bark(
     first, last = (outward(way, SIDES)[:, None] for way in ways)
     share = np.linspace(0.0, 1.0, RINGS)[:, None]
     out = unit(_between(first, last, share[..., None]))
-    axis = _between(starts[:, None], ends[:, None], share)
+    axis = _bent(starts, ends, ways, share)
     radius = _between(start_radii[:, None, None], end_radii[:, None, None], share)
     ridge = _ridges(angle, axis[..., 1:2])
     roots = BUTTRESS * np.exp(-((np.maximum(axis[..., 1:2], 0.0) / BUTTRESS_HEIGHT) ** 2))
@@ -65,6 +65,20 @@ def add_furrowed_bark(
     numbers = SIDES * (np.arange(RINGS - 1) + RINGS * np.arange(len(starts))[:, None])
     faces = band_faces(SIDES) + numbers.reshape(-1, 1, 1)
     shape.add(points, normals, tones, faces, thin=False)
+
+
+def _bent(starts: Array, ends: Array, ways: tuple[Array, Array], share: Array) -> Array:
+    """Return the middles (N, R, 3) of rings, on curves that go on from one piece to the next.
+
+    These are Hermite's cubics, whose ends have the directions of the rings there.
+    """
+    t = share[None]
+    chord = (ends - starts)[:, None]
+    long = np.linalg.norm(chord, axis=-1, keepdims=True)
+    first, last = (long * way[:, None] for way in ways)
+    rise = t * t * (3.0 - 2.0 * t)
+    bend = t * (1.0 - t) * ((1.0 - t) * first - t * last)
+    return np.asarray(starts[:, None] + rise * chord + bend)
 
 
 def _between(first: Array, second: Array, share: Array) -> Array:

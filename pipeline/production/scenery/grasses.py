@@ -57,13 +57,13 @@ class Clump:
 
 CLUMPS: dict[str, Clump] = {
     "short grass": Clump(
-        34, 0.100, 0.0052, 0.100, 0.60, (0.054, 0.088, 0.020), (0.180, 0.272, 0.062), 0.08, clover=9
+        34, 0.100, 0.0052, 0.100, 0.60, (0.026, 0.046, 0.010), (0.200, 0.300, 0.066), 0.08, clover=9
     ),
     "meadow grass": Clump(
-        32, 0.21, 0.0048, 0.10, 0.70, (0.048, 0.080, 0.018), (0.186, 0.268, 0.064), 0.10, ears=1
+        32, 0.21, 0.0048, 0.10, 0.70, (0.026, 0.044, 0.010), (0.200, 0.290, 0.068), 0.10, ears=1
     ),
     "tall grass": Clump(
-        26, 0.46, 0.0052, 0.10, 0.60, (0.044, 0.072, 0.016), (0.265, 0.275, 0.092), 0.26,
+        26, 0.46, 0.0052, 0.10, 0.60, (0.028, 0.046, 0.011), (0.275, 0.285, 0.095), 0.26,
         ears=3, ear_length=0.13, plump=0.13, segments=3,
     ),
     "dry grass": Clump(
@@ -106,7 +106,7 @@ SEGMENTS_BEYOND = (1, 1)
 WAVY_SEGMENTS = (6, 4, 3)
 """Segments of blades that wind."""
 
-CALM = (0.0, 0.3, 0.65)
+CALM = (0.0, 0.05, 0.5)
 """How much of the contrast between the feet and the tips of blades is gone, by level."""
 
 

@@ -21,9 +21,12 @@ from render.color import linear
 from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
-Habitat = Literal["open", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"]
-"""Where a species grows: in the open, there in tufts, in tufts where nobody walks, or in loose
-clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground as well."""
+Habitat = Literal[
+    "open", "turf", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"
+]
+"""Where a species grows: in the open, there as turf, in tufts, in tufts where nobody walks, or in
+loose clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground, too.
+"""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""
@@ -45,10 +48,12 @@ PALER = 0.16
 TUFT, TUFT_LEAST, TUFT_EDGE = 0.85, 0.22, (-0.4, 0.4)
 """Width of tufts [m], the share of their density between them, and values of their noise between
 which they begin."""
+TURF_LEAST = 0.6
+"""Share of the density of turf between tufts."""
 CLUMP, CLUMP_LEAST, CLUMP_EDGE = 1.9, 0.05, (-0.05, 0.4)
 """The same of clumps."""
 
-GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "untrodden": 0.60, "clumps": 0.39}
+GATHERED: Mapping[Habitat, float] = {"turf": 0.80, "tufts": 0.60, "untrodden": 0.60, "clumps": 0.39}
 """Share of their full density that species have on average where they stand in tufts or clumps."""
 
 GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
@@ -186,9 +191,10 @@ class Growth:
 
         Between them a few stand alone.
         """
-        if habitat in ("tufts", "untrodden"):
+        if habitat in ("turf", "tufts", "untrodden"):
             value = fractal(places / TUFT, self.seed + 4160, 2)
-            return np.asarray(TUFT_LEAST + (1.0 - TUFT_LEAST) * smoothstep(*TUFT_EDGE, value))
+            least = TURF_LEAST if habitat == "turf" else TUFT_LEAST
+            return np.asarray(least + (1.0 - least) * smoothstep(*TUFT_EDGE, value))
         if habitat == "clumps":
             value = fractal(places / CLUMP, self.seed + 4170, 3)
             return np.asarray(CLUMP_LEAST + (1.0 - CLUMP_LEAST) * smoothstep(*CLUMP_EDGE, value))

@@ -48,6 +48,9 @@ MARGIN: Mapping[str, float] = {"cover": 0.0, "solid": 0.12, "tree": 1.4}
 """Distance from performers by layer, besides its own radius [m]."""
 
 
+SHADOW = 1.6
+"""How far beyond the frame cover is kept for its shadows, relative to its height."""
+
 LENS_SHARE, LENS_HEIGHT = 0.16, 0.4
 """Share of the distance to a camera's target within which no grasses and herbs of a height [m] are
 seen."""
@@ -238,6 +241,11 @@ class Placement:
         here = here * np.minimum(1.0, (near / np.maximum(distances, 1e-3)) ** FALL)
         end = self._reach(species, 0.0)
         here = here * (1.0 - smoothstep(0.7 * end, end, distances))
+        if species.layer == "cover":
+            # Most of what is near stands below the frame, where it would cost the most.
+            tall = species.height * species.sizes[1] * wanted.size
+            middle = points + np.array([0.0, 0.5 * tall, 0.0])
+            here = here * self.view.sees(middle, np.full(len(points), SHADOW * tall))
         steep = np.hypot(ground.normals[:, 0], ground.normals[:, 2]) / ground.normals[:, 1]
         if wanted.where != "shore":
             here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))

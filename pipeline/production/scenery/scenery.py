@@ -20,7 +20,7 @@ from pipeline.production.scenery.trodden_cover import TroddenCover, split_trodde
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
 
-BUDGET = 1_250_000
+BUDGET = 1_500_000
 """Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
 
 SPARED, FAR_FIRST = 4.0, 0.8

@@ -79,7 +79,7 @@ def _grass(
         "ground": 0.35,
         "habitat": "tufts",
         # A blade of the first level costs five of the next: near ones are few, so that more stand.
-        "levels": (2.6, 13.0),
+        "levels": (1.7, 13.0),
         **others,
     }
     return Species(
@@ -165,7 +165,8 @@ KINDS: dict[str, Species] = {
         reach=60.0,
         near=5.5,
         sizes=(0.6, 1.5),
-        levels=(1.8, 10.0),
+        levels=(1.2, 10.0),
+        habitat="turf",
     ),
     "meadow grass": _grass(
         *("meadow grass", 95.0, 0.24), cover=0.55, patch=8.0, near=8.0, family="tall"

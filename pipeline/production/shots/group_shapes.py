@@ -35,7 +35,7 @@ MATERIALS: Mapping[str, Material] = {
 DROP_SIDES = 6
 """Sides of a simulated drop, which has four rings and two ends."""
 
-STREAK_RADIUS, STREAK_LENGTH = 0.0085, 0.8
+STREAK_RADIUS, STREAK_LENGTH = 0.0058, 0.8
 """Radius of a streak and its length, relative to the length of a drop."""
 
 CROWN = (1.0, 0.35, 0.8, 0.2, 0.95, 0.45)

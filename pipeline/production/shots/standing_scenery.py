@@ -41,6 +41,9 @@ from render.water import WaterSurface
 DRY_SOIL = 0.05
 """Least part of the mean linear colour from which soil is that of dry land."""
 
+NO_SHADOWS = 0.55
+"""Share of overcast sky from which nothing throws a shadow that is noticed."""
+
 
 @dataclass(frozen=True, eq=False)
 class StandingScenery:
@@ -138,10 +141,11 @@ class StandingScenery:
         if self.edging is None:
             return None
         detail = scenery_detail(self.width)
-        sun = None if self.scene.light.sun is None else sun_direction(self.scene.light.sun)
+        sun = self.scene.light.sun
+        is_bright = sun is not None and sun.clouds.overcast < NO_SHADOWS
         setting = Setting(
             *(self.take.terrain, self.land, self.clearings, self.view),
-            *(self.scene.seed, detail, sun),
+            *(self.scene.seed, detail, sun_direction(sun) if sun and is_bright else None),
         )
         return Edging.of(self.edging, setting, self.terrain.material)
 

@@ -20,6 +20,9 @@ Landform = Callable[[Array, Array, int], Array]
 REACH = 7000.0
 """Distance at which the land ends, behind its last ridge [m]."""
 
+KNOLLS = 0.2
+"""Height of knolls relative to that of swells."""
+
 SEA_DEPTH = 4.0
 """Depth of the bottom of the sea [m]."""
 
@@ -37,12 +40,18 @@ def _rising(places: Array, out: Array, span: tuple[float, float], shape: Shape) 
 
 
 def _swells(places: Array, out: Array, seed: int, height: float) -> Array:
-    """Return gentle swells that set in some tens of metres away."""
+    """Return gentle swells that set in some tens of metres away, and knolls nearer by.
+
+    Knolls keep the ground beyond the terrain from ending in a level line before what lies lower.
+    """
 
     def swells(p: Array) -> Array:
         return height * fractal(p / 150.0, seed, 3) + 0.35 * height * fractal(p / 62.0, seed + 5, 2)
 
-    return _rising(places, out, (4.0, 130.0), swells)
+    def knolls(p: Array) -> Array:
+        return KNOLLS * height * fractal(p / 27.0, seed + 7, 3)
+
+    return _rising(places, out, (4.0, 130.0), swells) + _rising(places, out, (2.5, 45.0), knolls)
 
 
 def _uneven(places: Array, seed: int) -> Array:

@@ -82,8 +82,9 @@ def test_tufts_and_clumps_leave_the_share_on_average_that_densities_count_on() -
         for seed in (5, 6):
             found = Growth(seed).gathered(habitat, at)
             assert abs(found.mean() - share) < 0.03
-            assert (found < 0.3).mean() > 0.25
             assert (found > 0.8).mean() > 0.2
+            # Turf has no gaps.
+            assert (found < 0.3).mean() > 0.25 or (habitat == "turf" and found.min() > 0.5)
 
 
 def test_dry_beds_cross_dry_land_and_stones_lie_along_them() -> None:

@@ -46,7 +46,7 @@ RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its 
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 EASY_STEP = 0.2  # onto a deck, in leg lengths, that takes no longer than others
 EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
-LIFT_SLOWING = 2.5  # by a high swing, in that by a high step
+RISE_SLOWING, LIFT_SLOWING = 3.2, 2.5  # by a high step; by a high swing
 SLOWING_RATE = 10.0  # at which the gait slows for a high step, and quickens after it [1/s]
 HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
@@ -130,7 +130,8 @@ def _high_step(person: Record) -> float:
         if person.foot_state[k] == SWING:
             lift = max(lift, person.swing_height[k])
     leg = leg_length(person)
-    return max(rise / leg - EASY_STEP, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
+    slowing = RISE_SLOWING * (rise / leg - EASY_STEP)
+    return max(slowing, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
 
 
 @compiled

@@ -5,11 +5,15 @@ Places that are shared, loads that two carry, and things that one asks another f
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo
+from pipeline.simulation.characters.hug_tasks import Hug, LoosenHug
+from pipeline.simulation.characters.person_tasks import SitDown
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -67,8 +71,9 @@ def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[i
             giver = holder_of(thing, taker, people.controllers)
         number = None if giver is None else people.index(giver.name)
         if giver is None or number is None:
-            task.asked = 0.0
+            task.asked, task.giver = 0.0, NOBODY
             continue
+        task.giver = int(giver.record.owner)
         is_busy, refusal = people.is_ordered(number) or number in givings, ""
         if number in people.minded:
             asker, owner = int(taker.record.owner), people.view.owner(thing)
@@ -81,3 +86,19 @@ def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[i
             task.asked = 0.0
             givings[number] = HandOver(giver, taker, thing)
     return givings
+
+
+def stand_to_give(people: TaskDispatcher, givings: Mapping[int, HandOver]) -> set[int]:
+    """Let people with a mind stand who hold out what another comes for; return their indices.
+
+    They leave off what they do of their own will, but for sitting and for a hug.
+    """
+    keeps = Hug, LoosenHug, SitDown
+    giving = {
+        k
+        for k, one in givings.items()
+        if one.is_near and k in people.minded and not isinstance(people.task(k), keeps)
+    }
+    for k in sorted(giving - people.giving):
+        people.end(k)
+    return giving

@@ -97,6 +97,7 @@ class TaskDispatcher:
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
         suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
+        giving: indices of people with a mind who stand and hold out what another comes for.
     """
 
     def __init__(
@@ -108,7 +109,7 @@ class TaskDispatcher:
     ) -> None:
         self.view = view
         self.minded: Mapping[int, Consent] = {}
-        self.suspended = set[int]()
+        self.suspended, self.giving = set[int](), set[int]()
         self.controllers = [
             PersonController(view.names[owner], record_view(persons, k), view)
             for k, owner in enumerate(persons["owner"].tolist())
@@ -252,6 +253,7 @@ class TaskDispatcher:
         joint_tasks.advance_crews(self, self._dt)
         self._reception.advance(self._dt)
         givings = joint_tasks.ask_holders(self, self._asked, self._dt)
+        self.giving = joint_tasks.stand_to_give(self, givings)
         self._looked_at[:] = self._gaze.glances
         self._acting = sorted(self._active)
         for k in self._acting:

@@ -17,6 +17,7 @@ from pipeline.simulation.characters.hurdles import hurdle_gap
 from pipeline.simulation.characters.person_record import FOOT, KNEE, NODE_COUNT, STANCE, SWING
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.vectors import minus, put, row
 
 LEAST_FROUDE, FALLING_FROUDE = 0.15, 0.6  # speeds of a trip without effect, and of a certain fall
 HIGH_HURDLE = 0.12  # rise that catches a foot for certain, in leg lengths
@@ -73,12 +74,15 @@ def _trip(person: Record, k: int, arrays: CharacterArrays, solids: Solids, h: fl
     if strength < LEAST_STRENGTH:
         return
     person.foot_state[k] = STANCE
+    caught = row(person.ankles, k)
     speed = max(ground_speed(person), 1e-6)
     x, z = person.velocity[0] / speed, person.velocity[1] / speed
     person.stance_place[k, 0] = person.ankles[k, 0] + YIELD * x
     person.stance_place[k, 2] = person.ankles[k, 2] + YIELD * z
     person.stance_place[k, 1] = person.floor + person.ankle
     person.stance_on_deck[k] = 0
+    put(person.settling, k, minus(caught, row(person.stance_place, k)))
+    put(person.settling_rate, k, (0.0, 0.0, 0.0))
     person.trips += 1
     falls = strength >= FALL_STRENGTH
     slackness = FALL_SLACKNESS if falls else STUMBLE_SLACKNESS + 0.3 * strength

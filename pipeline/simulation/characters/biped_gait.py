@@ -220,13 +220,17 @@ def _choose_landing(
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
-    y, _, is_on_deck = support_at(person, frame, vertices, x, z)
+    y, n, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
         x,
         y + person.ankle,
         z,
     )
+    lifted = row(person.liftoff_place, k)
+    rise = y + person.ankle - lifted[1]
+    by_slope = -(n[0] * (x - lifted[0]) + n[2] * (z - lifted[2])) / max(n[1], 1e-6)
+    person.step_rise[k] = min(abs(rise), abs(rise - by_slope))
     person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
     person.swing_end[k] += share * (person.landing_place[k, 1] - person.swing_end[k])
     _raise_swing_height(person, k, share, frame, vertices)

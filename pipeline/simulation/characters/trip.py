@@ -29,6 +29,7 @@ TURN_RATE = 3.6  # at which a certain fall turns the body about the foot [rad/s]
 LEAN_RATE = 1.6  # at which a stumble leans the trunk [1/s]
 SPEED_KEPT = 0.5  # of the led place after a fall
 YIELD = 0.05  # by which a caught foot comes to rest [m]
+FOOT_SPEED = 1.5  # of a foot that is caught, in that of the person
 TOE = 0.6  # ahead of the ankle, in foot lengths
 
 
@@ -82,7 +83,8 @@ def _trip(person: Record, k: int, arrays: CharacterArrays, solids: Solids, h: fl
     person.stance_place[k, 1] = person.floor + person.ankle
     person.stance_on_deck[k] = 0
     put(person.settling, k, minus(caught, row(person.stance_place, k)))
-    put(person.settling_rate, k, (0.0, 0.0, 0.0))
+    swing = FOOT_SPEED * speed
+    put(person.settling_rate, k, (swing * x, 0.0, swing * z))
     person.trips += 1
     falls = strength >= FALL_STRENGTH
     slackness = FALL_SLACKNESS if falls else STUMBLE_SLACKNESS + 0.3 * strength

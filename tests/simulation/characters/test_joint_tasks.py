@@ -45,13 +45,17 @@ def _stand(people: People, is_near: bool, k: int = 3) -> set[int]:
 
 def test_a_walk_of_its_own_will_ends_once_when_the_taker_comes_near() -> None:
     people = People(Walk())
-    assert _stand(people, is_near=False) == set() and not people.ended
+    assert _stand(people, is_near=False) == set()
+    assert not people.ended
     people.giving = _stand(people, is_near=True)
-    assert people.giving == {3} and people.ended == [3]
-    assert _stand(people, is_near=True) == {3} and people.ended == [3]
+    assert people.giving == {3}
+    assert people.ended == [3]
+    assert _stand(people, is_near=True) == {3}
+    assert people.ended == [3]
 
 
-@pytest.mark.parametrize("k,task", [(3, SitDown()), (4, Walk())])
+@pytest.mark.parametrize(("k", "task"), [(3, SitDown()), (4, Walk())])
 def test_who_sits_or_has_no_mind_goes_on(k: int, task: Task) -> None:
     people = People(task)
-    assert _stand(people, is_near=True, k=k) == set() and not people.ended
+    assert _stand(people, is_near=True, k=k) == set()
+    assert not people.ended

@@ -22,6 +22,7 @@ from pipeline.simulation.characters.gait_timing import (
     leg_phase,
     run_blend,
     smoothstep,
+    spring_step,
     wrap_angle,
 )
 from pipeline.simulation.characters.hurdles import (
@@ -50,6 +51,13 @@ HEEL_RISE_ANGLE = math.radians(48.0)  # about the ball until lift-off
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 
 FASTEST_RAISE = 0.008  # of a swing under way, in a sub-step
+SETTLING_RATE = 30.0  # at which a caught foot comes to stand [1/s]
+
+# How a foot gets up or down a high step: up and then ahead, or ahead and then down. On its usual
+# way it would be drawn up to the hip to clear the edge.
+HIGH_RISE = 0.3  # from which it does so wholly, in leg lengths
+LEVEL_DELAY, RISE_LEAD = 0.08, 0.4  # of the way ahead and of the rise, in the time of a swing
+LATE_RETARGET_RATE = 30.0  # [1/s] at which the height follows at the end of a swing
 
 # How feet keep clear of the other leg. Lateral clearance is in half hip widths: as near as shins
 # can pass, and as walkers place their feet. Other distances are in lateral clearances.
@@ -111,7 +119,7 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
         elif person.stepping and _is_due(person, k, rate * dt, walks):
             _lift(person, k, frame, vertices)
         if person.foot_state[k] == STANCE:
-            _stand(person, k, stance, frame, vertices)
+            _stand(person, k, stance, frame, vertices, dt)
     is_still = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE and not walks
     if person.stepping and is_still:
         person.stepping = not _is_closed(person)
@@ -126,7 +134,7 @@ def _kick(person: Record, k: int, frame: Record, vertices: Array, dt: float) -> 
     person.foot_state[k] = SWING
     person.yaw[k], person.pitch[k] = person.heading, person.kick_pitch
     put(person.ankles, k, triple(person.kick_place))
-    _stand(person, 1 - k, 0.5, frame, vertices)
+    _stand(person, 1 - k, 0.5, frame, vertices, dt)
 
 
 @compiled
@@ -160,6 +168,7 @@ def _is_due(person: Record, k: int, advance: float, walks: bool) -> bool:
 @compiled
 def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.foot_state[k] = SWING
+    put(person.settling, k, (0.0, 0.0, 0.0))
     person.liftoff_place[k] = person.ankles[k]
     person.liftoff_yaw[k] = person.yaw[k]
     person.liftoff_pitch[k] = person.pitch[k]
@@ -211,14 +220,19 @@ def _choose_landing(
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
-    y, _, is_on_deck = support_at(person, frame, vertices, x, z)
+    y, n, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
         x,
         y + person.ankle,
         z,
     )
+    lifted = row(person.liftoff_place, k)
+    rise = y + person.ankle - lifted[1]
+    by_slope = -(n[0] * (x - lifted[0]) + n[2] * (z - lifted[2])) / max(n[1], 1e-6)
+    person.step_rise[k] = min(abs(rise), abs(rise - by_slope))
     person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
+    person.swing_end[k] += share * (person.landing_place[k, 1] - person.swing_end[k])
     _raise_swing_height(person, k, share, frame, vertices)
 
 
@@ -244,8 +258,9 @@ def _raise_swing_height(
     for i in range(5):
         # Its way starts and ends slowly: at a quarter of the time it has gone a tenth of it.
         u = 0.25 + 0.125 * i
-        s = _swing_progress(person, u)
-        x, y, z = a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])
+        s, rise = _step_progress(person, k, u)
+        x, z = a[0] + s * (b[0] - a[0]), a[2] + s * (b[2] - a[2])
+        y = a[1] + rise * (person.swing_end[k] - a[1])
         ground, _, _ = support_at(person, frame, vertices, x, z)
         ankle = ground + person.ankle + 0.5 * clear
         if is_over:
@@ -278,6 +293,23 @@ def _swing_progress(person: Record, u: float) -> float:
     """
     run = run_blend(ground_speed(person), leg_length(person))
     return (1.0 - run) * minimum_jerk(u) + run * smoothstep(u)
+
+
+@compiled
+def _step_progress(person: Record, k: int, u: float) -> tuple[float, float]:
+    """Return the fractions of the way ahead and of the rise of a foot at a fraction u of its swing.
+
+    They differ on high steps.
+    """
+    rise = (person.swing_end[k] - person.liftoff_place[k, 1]) / (HIGH_RISE * leg_length(person))
+    up, down = min(max(rise, 0.0), 1.0), min(max(-rise, 0.0), 1.0)
+    late = max(u - LEVEL_DELAY * up, 0.0) / (1.0 - LEVEL_DELAY * up)
+    early = min(u / (1.0 - RISE_LEAD * up), 1.0)
+    late, early = (
+        min(late / (1.0 - LEVEL_DELAY * down), 1.0),
+        max(early - RISE_LEAD * down, 0.0) / (1.0 - RISE_LEAD * down),
+    )
+    return _swing_progress(person, late), _swing_progress(person, early)
 
 
 @compiled
@@ -362,7 +394,10 @@ def _swing(
         return
     if u < 0.75:
         _choose_landing(person, k, 1.0 - u, 1.0 - math.exp(-RETARGET_RATE * dt), frame, vertices)
-    s = _swing_progress(person, u)
+    else:
+        share = 1.0 - math.exp(-LATE_RETARGET_RATE * dt)
+        person.swing_end[k] += share * (person.landing_place[k, 1] - person.swing_end[k])
+    s, rise = _step_progress(person, k, u)
     toes = (
         TOE_LIFT_ANGLE
         * person.walk_blend
@@ -372,7 +407,8 @@ def _swing(
     slope = slope_along(person, frame, vertices, landing, person.landing_yaw[k])
     end = plus(landing, ankle_offset(person, person.landing_yaw[k], toes, slope))
     person.ankles[k, 0], person.ankles[k, 2] = _detoured(person, k, end, u, s)
-    person.ankles[k, 1] = (1.0 - s) * person.liftoff_place[k, 1] + s * end[1]
+    height = end[1] + (person.swing_end[k] - landing[1])
+    person.ankles[k, 1] = (1.0 - rise) * person.liftoff_place[k, 1] + rise * height
     # Level at both ends, so that the foot neither bumps down nor jerks up.
     person.ankles[k, 1] += 16.0 * person.swing_height[k] * (u * (1.0 - u)) ** 2
     person.yaw[k] = person.liftoff_yaw[k] + s * _swing_turn(person, k)
@@ -381,7 +417,9 @@ def _swing(
 
 
 @compiled
-def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array) -> None:
+def _stand(
+    person: Record, k: int, stance: float, frame: Record, vertices: Array, dt: float
+) -> None:
     """Keep a stance foot in place, and turn it about its heel or its ball."""
     stance_fraction = (leg_phase(person, k) - (1.0 - stance)) / stance if person.stepping else 0.3
     stance_fraction = min(max(stance_fraction, 0.0), 1.0)
@@ -402,7 +440,11 @@ def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array
     stood = row(person.stance_place, k)
     slope = slope_along(person, frame, vertices, stood, person.yaw[k])
     offset = ankle_offset(person, person.yaw[k], person.pitch[k], slope)
-    put(person.ankles, k, plus(stood, offset))
+    for i in range(3):
+        person.settling[k, i], person.settling_rate[k, i] = spring_step(
+            person.settling[k, i], person.settling_rate[k, i], 0.0, SETTLING_RATE, dt
+        )
+    put(person.ankles, k, plus(plus(stood, offset), row(person.settling, k)))
 
 
 @compiled

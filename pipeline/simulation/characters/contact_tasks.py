@@ -185,7 +185,8 @@ class Grab(Task):
         if is_walking and not self.standoff.is_stepping:
             if self.part is None:
                 self.nodes.clear()
-            reason = self.approach.walk_to(controller, first, near, self.owner, dt)
+            partner = self.giver if self.giver >= 0 else self.owner
+            reason = self.approach.walk_to(controller, first, near, partner, dt)
             self.stick(reason, self.approach)
             return False
         if person.has_goal and not self.standoff.is_stepping:

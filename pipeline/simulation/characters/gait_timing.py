@@ -44,9 +44,9 @@ STRIDE_RATE_POWER = 0.57
 SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
-EASY_STEP = 0.2  # onto a deck, in leg lengths, that takes no longer than others
+EASY_STEP = 0.2  # up or down, in leg lengths, that takes no longer than others
 EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
-LIFT_SLOWING = 2.5  # by a high swing, in that by a high step
+RISE_SLOWING, LIFT_SLOWING = 3.2, 2.5  # by a high step; by a high swing
 SLOWING_RATE = 10.0  # at which the gait slows for a high step, and quickens after it [1/s]
 HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
@@ -124,13 +124,12 @@ def _high_step(person: Record) -> float:
     """Return by how much a foot steps higher than with ease, in leg lengths."""
     rise = lift = 0.0
     for k in range(2):
-        changes = person.landing_on_deck[k] != person.liftoff_on_deck[k]
-        if person.foot_state[k] == SWING and changes:
-            rise = max(rise, abs(person.landing_place[k, 1] - person.liftoff_place[k, 1]))
         if person.foot_state[k] == SWING:
+            rise = max(rise, person.step_rise[k])
             lift = max(lift, person.swing_height[k])
     leg = leg_length(person)
-    return max(rise / leg - EASY_STEP, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
+    slowing = RISE_SLOWING * (rise / leg - EASY_STEP)
+    return max(slowing, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
 
 
 @compiled

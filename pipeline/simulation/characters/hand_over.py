@@ -1,7 +1,8 @@
 """Hand-over: a holder holds a thing out to another person, and lets go once it is taken.
 
-A person that is told to take a thing asks its holder for it. A holder that is doing something else
-keeps it, and so does a holder with a mind; the person that asks in vain gives up.
+A person that is told to take a thing asks its holder for it. A holder that follows an order keeps
+it, and so does a mind that declines; the person that asks in vain gives up. A holder that gives it
+leaves off what it does of its own will while the other is near.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class HandOver:
         """Turn the giver to the taker and hold the thing out, when the taker comes near."""
         giver, taker = self.giver, self.taker
         place = taker.waist()
-        if giver.ground_distance(place) > ASKING_RANGE * giver.arm:
+        if not self.is_near:
             return
         if not giver.record.stepping and float(giver.record.sit_blend) == 0.0:
             giver.face_to(place)
@@ -55,6 +56,12 @@ class HandOver:
             goal = shoulder + out * ahead
             goal[1] = min(float(shoulder[1]), float(giver.record.floor) + height)
             giver.put_hand(k, np.asarray(goal))
+
+    @property
+    def is_near(self) -> bool:
+        """Whether the taker has come so near that the giver turns to it."""
+        giver = self.giver
+        return giver.ground_distance(self.taker.waist()) < ASKING_RANGE * giver.arm
 
     @property
     def is_taken(self) -> bool:

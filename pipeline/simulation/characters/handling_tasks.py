@@ -257,7 +257,7 @@ class CarryTo(Task):
         if self.is_down:
             return self._is_there(controller, dt)
         if len(controller.hands_holding(self.thing)) < len(self.grab.hands):
-            self.grab.asked = self.asked
+            self.grab.asked, self.grab.giver = self.asked, self.giver
             self.grab.advance(controller, dt)
             self.failure = self.grab.failure or self.failure
             self.is_stuck = self.grab.is_stuck

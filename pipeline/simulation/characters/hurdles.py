@@ -202,6 +202,18 @@ def _shadow_of_owner(nodes: Records, owner: Record) -> tuple[Middle, float, floa
 
 
 @inlined
+def _hurdle_middle(person: Record) -> Middle:
+    """Return the middle of the hurdle of a person, and its long axis."""
+    x, z, c, s = (
+        person.hurdle_middle[0],
+        person.hurdle_middle[1],
+        person.hurdle_middle[2],
+        person.hurdle_middle[3],
+    )
+    return x, z, c, s
+
+
+@inlined
 def _coordinates(middle: Middle, x: float, z: float) -> tuple[float, float]:
     """Return how far along and across a rectangle a place is from its middle [m]."""
     u, v = x - middle[0], z - middle[1]
@@ -263,12 +275,7 @@ def _describe(
 @compiled
 def _look(person: Record, dt: float) -> None:
     """Let a person see its hurdle that has it in view for long enough."""
-    middle = (
-        person.hurdle_middle[0],
-        person.hurdle_middle[1],
-        person.hurdle_middle[2],
-        person.hurdle_middle[3],
-    )
+    middle = _hurdle_middle(person)
     u, v = _coordinates(middle, person.at[0], person.at[1])
     near_u = min(max(u, -person.hurdle_half[0]), person.hurdle_half[0]) - u
     near_v = min(max(v, -person.hurdle_half[1]), person.hurdle_half[1]) - v
@@ -326,12 +333,7 @@ def walks_into(person: Record, s: int) -> bool:
 @compiled
 def hurdle_gap(person: Record, x: float, z: float) -> float:
     """Return the distance of a place from the hurdle, negative inside [m]."""
-    middle = (
-        person.hurdle_middle[0],
-        person.hurdle_middle[1],
-        person.hurdle_middle[2],
-        person.hurdle_middle[3],
-    )
+    middle = _hurdle_middle(person)
     u, v = _coordinates(middle, x, z)
     u, v = abs(u) - person.hurdle_half[0], abs(v) - person.hurdle_half[1]
     if u > 0.0 and v > 0.0:
@@ -411,12 +413,7 @@ def _way_out(
     person: Record, x: float, z: float, way_x: float, way_z: float, margin: float
 ) -> float:
     """Return how far a place on the hurdle is from where a way leaves it, and a margin [m]."""
-    middle = (
-        person.hurdle_middle[0],
-        person.hurdle_middle[1],
-        person.hurdle_middle[2],
-        person.hurdle_middle[3],
-    )
+    middle = _hurdle_middle(person)
     u, v = _coordinates(middle, x, z)
     c, s = middle[2], middle[3]
     along, across = way_x * c + way_z * s, way_z * c - way_x * s

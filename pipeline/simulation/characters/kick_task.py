@@ -276,6 +276,7 @@ class KickThing(Task):
         z = person.at[1] + side * person.hips * math.cos(person.heading)
         height = controller.view.ground_height(x, z) + float(person.ankle)
         person.landing_place[k] = x, height, z
+        person.swing_end[k] = height
         person.foot_state[1 - k] = STANCE
         person.stepping, person.phase = True, (1.0 - 0.5 * k) % 1.0
         person.has_goal = person.has_facing = False

@@ -52,6 +52,8 @@ def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None
     """Advance the led place by one sub-step."""
     wx, wz = _walk_vector(person)
     ease = _slope_slowdown(person, wx, wz, ground) * hurdle_ease(person)
+    # Or the steps would be as much longer as they take longer.
+    ease /= 1.0 + person.slowing
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
     _advance_place(person, nodes, wx, wz, dt)

@@ -79,6 +79,13 @@ PERSON = np.dtype(
         ("liftoff_yaw", "f8", 2),
         ("landing_yaw", "f8", 2),
         ("swing_height", "f8", 2),
+        # Height at which a swing ends, as far as it has come to heed it, and how much higher or
+        # lower that is than the slope there explains [m]; what a foot that was caught in mid-swing
+        # is still off its stance, and the rate of that [m], [m/s].
+        ("swing_end", "f8", 2),
+        ("step_rise", "f8", 2),
+        ("settling", "f8", (2, 3)),
+        ("settling_rate", "f8", (2, 3)),
         # By how much the gait is slowed by a high step, as a fraction.
         ("slowing", "f8"),
         ("pitch", "f8", 2),

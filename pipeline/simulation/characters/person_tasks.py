@@ -45,6 +45,7 @@ class Task:
         most_pace: greatest walking speed that it allows [m/s].
         leads_hands: whether it leads hands that hold something.
         asked: time for which it has asked in vain for what another holds [s].
+        giver: number of the person that it asks, NOBODY without any.
     """
 
     failure: str = field(default="", init=False)
@@ -54,6 +55,7 @@ class Task:
     most_pace: float = field(default=math.inf, init=False)
     leads_hands: bool = field(default=False, init=False)
     asked: float = field(default=0.0, init=False)
+    giver: int = field(default=NOBODY, init=False)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """Command the person for the coming step of `dt` [s]; tell whether the task is done."""

@@ -52,7 +52,7 @@ class TargetTask(Task):
         self, controller: PersonController, place: np.ndarray, stop: float, dt: float
     ) -> str:
         """Walk to a place (3,), up to a distance [m]; return why that gets no nearer."""
-        partner = controller.view.owner(self.target)
+        partner = self.giver if self.giver >= 0 else controller.view.owner(self.target)
         return self.approach.walk_to(controller, place, stop, partner, dt)
 
     def is_missing(self, controller: PersonController) -> bool:

@@ -10,15 +10,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pipeline.simulation.characters import joint_tasks
 from pipeline.simulation.characters.act_things import mark_act_things
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
-from pipeline.simulation.characters.crew import CarryEnd, crew_of
+from pipeline.simulation.characters.crew import CarryEnd
 from pipeline.simulation.characters.dance_task import Dance
-from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
+from pipeline.simulation.characters.gaze_choice import GazeChoice
+from pipeline.simulation.characters.gaze_targets import look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
-from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
+from pipeline.simulation.characters.hand_over import HandOver
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
 from pipeline.simulation.characters.hug_reception import HugReception
 from pipeline.simulation.characters.hug_tasks import STEP_BACK, Hug, LoosenHug
@@ -55,7 +57,6 @@ from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
 from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.keyframes import PoseKey
-from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
 
 UNLIMITED_WALK = 1000.0
@@ -96,6 +97,7 @@ class TaskDispatcher:
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
         suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
+        giving: indices of people with a mind who stand and hold out what another comes for.
     """
 
     def __init__(
@@ -107,7 +109,7 @@ class TaskDispatcher:
     ) -> None:
         self.view = view
         self.minded: Mapping[int, Consent] = {}
-        self.suspended = set[int]()
+        self.suspended, self.giving = set[int](), set[int]()
         self.controllers = [
             PersonController(view.names[owner], record_view(persons, k), view)
             for k, owner in enumerate(persons["owner"].tolist())
@@ -119,8 +121,7 @@ class TaskDispatcher:
         count = len(self.controllers)
         self._tasks: list[Task | None] = [None] * count
         self._done, self._ordered = [True] * count, [False] * count
-        self._look_targets: list[Target | None] = [None] * count
-        self._glances: IntArray = np.full(count, NOBODY)
+        self._gaze = GazeChoice(view, count)
         # Who may have something to do in the next step, and who had in this one.
         self._active, self._acting = set(range(count)), list[int]()
         self._persons, self._embraces = persons, view.arrays.owners["embraces"]
@@ -131,7 +132,6 @@ class TaskDispatcher:
         self._outcomes: list[Outcome] = []
         self._orders: list[Do | None] = [None] * count
         self._tries, self._asked, self._stood = [0] * count, [0.0] * count, [0.0] * count
-        self._regrets: list[Regret | None] = [None] * count
         self._usual_paces: list[float | None] = [None] * count
         self._waits = [False] * count
         self._reception = HugReception(self)
@@ -154,13 +154,12 @@ class TaskDispatcher:
             for order in orders[name]:
                 found |= members_named(order, view)
         for k in self._active:
-            controller, task, look = self.controllers[k], self._tasks[k], self._look_targets[k]
+            controller, task = self.controllers[k], self._tasks[k]
+            found |= self._gaze.members(k)
             if task is not None:
                 found.update(task.members)
             if isinstance(task, StepAside) and (again := self._orders[k]) is not None:
                 found |= members_named(again, view)
-            if isinstance(look, str) and view.owner(look) < 0:
-                found.add(look)
             if controller.avoided or controller.held_members:
                 found.update(controller.avoided, controller.held_members.values())
         return found - view.places.keys()
@@ -214,6 +213,10 @@ class TaskDispatcher:
         self.controllers[k].record.posture = STANDING
         self._begin(k, task, keeps_arms=True)
 
+    def replace(self, k: int, task: Task) -> None:
+        """Go on with another task for the same order."""
+        self._begin(k, task)
+
     def end(self, k: int) -> None:
         """End the task of a person; held objects stay in the hands."""
         controller = self.controllers[k]
@@ -234,7 +237,7 @@ class TaskDispatcher:
 
     def glance(self, k: int, owner: int) -> None:
         """Let a person look at a character, unless an order says where to look."""
-        self._glances[k] = owner
+        self._gaze.glances[k] = owner
 
     # --- every step -----------------------------------------------------------------------
 
@@ -245,12 +248,13 @@ class TaskDispatcher:
         self._steps += 1
         self.view.decks.forget_poses()
         self.view.decks.update(self._persons)
-        self._share_slots()
-        self._form_crews()
-        self._advance_crews()
+        joint_tasks.share_slots(self)
+        joint_tasks.form_crews(self)
+        joint_tasks.advance_crews(self, self._dt)
         self._reception.advance(self._dt)
-        givings = self._ask_holders()
-        self._looked_at[:] = self._glances
+        givings = joint_tasks.ask_holders(self, self._asked, self._dt)
+        self.giving = joint_tasks.stand_to_give(self, givings)
+        self._looked_at[:] = self._gaze.glances
         self._acting = sorted(self._active)
         for k in self._acting:
             self._command_one(k, self.controllers[k], givings.get(k), time)
@@ -284,11 +288,10 @@ class TaskDispatcher:
             evade(controller)
         if posed := self._posed_hands.get(controller.name):
             posed.advance(controller, time)
-        self._looked_at[k] = self._look(k, controller, time)
+        self._looked_at[k] = self._gaze.choose(k, controller, task, time)
         has_work = task is not None or holds or controller.held_members or controller.parting
-        looks = self._regrets[k] is not None or self._look_targets[k] is not None
         keeps = controller.avoided or posed or self._embraces[controller.owner] >= 0
-        if not (has_work or looks or keeps):
+        if not (has_work or self._gaze.is_led(k) or keeps):
             self._active.discard(k)
 
     def _clear_facts(self) -> None:
@@ -300,53 +303,6 @@ class TaskDispatcher:
             controller.grip_changes.clear()
             controller.touched.clear()
             controller.kicked_bodies.clear()
-
-    def _form_crews(self) -> None:
-        """Let two who are told to carry the same thing to the same place do that together."""
-        loads = dict[tuple[str, str], list[int]]()
-        for k, task in self.busy():
-            if isinstance(task, CarryTo) and self._ordered[k] and not task.is_down:
-                if not self.controllers[k].hands_holding(task.thing):
-                    loads.setdefault((task.thing, task.walk.target), []).append(k)
-        for (thing, target), carriers in loads.items():
-            if len(carriers) < 2:
-                continue
-            pair = sorted(carriers, key=lambda k: self.controllers[k].name)[:2]
-            crew = crew_of(thing, target, [self.controllers[k] for k in pair])
-            for number, k in enumerate(pair):
-                self._begin(k, CarryEnd(crew, number))
-
-    def _advance_crews(self) -> None:
-        for _, task in self.busy():
-            if isinstance(task, CarryEnd) and task.number == 0:
-                task.crew.advance(self._dt)
-
-    def _ask_holders(self) -> dict[int, HandOver]:
-        """Return what is handed over, by the giver; askers of a busy holder wait."""
-        givings = dict[int, HandOver]()
-        for k, task in self.busy():
-            taker = self.controllers[k]
-            if not self._ordered[k] or not (thing := task.asks_for(taker)):
-                continue
-            giver = None
-            if not taker.hands_holding(thing):
-                giver = holder_of(thing, taker, self.controllers)
-            if giver is None:
-                task.asked = 0.0
-                continue
-            number = self._by_name[giver.name]
-            is_busy, refusal = self._ordered[number] or number in givings, ""
-            if number in self.minded:
-                asker, owner = int(taker.record.owner), self.view.owner(thing)
-                refusal = self.minded[number].refusal_to_give(asker, owner)
-            if is_busy or refusal:
-                task.asked = self._asked[k] = self._asked[k] + self._dt
-                if task.asked > ASKING_TIME:
-                    task.failure = " and ".join(filter(None, [f"{giver.name} holds it", refusal]))
-            else:
-                task.asked = 0.0
-                givings[number] = HandOver(giver, taker, thing)
-        return givings
 
     def _advance(self, k: int, controller: PersonController) -> None:
         """Advance the task of a person, and see to what becomes of it."""
@@ -375,21 +331,11 @@ class TaskDispatcher:
         controller = self.controllers[k]
         subject = task.subject(controller)
         if not task.is_stuck or self._tries[k] > 0 or self._stood[k] > LONGEST_FIRST_TRY:
-            self._regrets[k] = Regret(subject, self._steps * self._dt)
+            self._gaze.regrets[k] = Regret(subject, self._steps * self._dt)
             self._give_up(k, task.failure)
             return
         self._tries[k] += 1
         self._begin(k, StepAside(place_aside(controller, subject)))
-
-    def _share_slots(self) -> None:
-        """Let those who need slots take them, the nearest first, whatever the order of the cast."""
-        waiting = [
-            (task.slot_distance(controller), controller.name, task, controller)
-            for k, task in self.busy()
-            if task.wants_slot and not task.failure and (controller := self.controllers[k])
-        ]
-        for _, _, task, controller in sorted(waiting, key=lambda claim: claim[:2]):
-            task.take_slot(controller)
 
     def _set_pace(self, k: int, least: float, most: float = math.inf) -> None:
         """Let a person walk as fast as a task asks for [m/s]; 0 and ∞ for the usual pace."""
@@ -426,31 +372,6 @@ class TaskDispatcher:
         frozen = bool(self.controllers[k].record.frozen)
         return frozen or isinstance(self._tasks[k], SitDown | SitOn)
 
-    def _look(self, k: int, controller: PersonController, time: float) -> int:
-        """Return the character to look at, NOBODY, or ELSEWHERE for a place that this sets."""
-        regret = self._regrets[k]
-        if regret is not None:
-            if regret.look(controller, time):
-                return ELSEWHERE
-            self._regrets[k] = None
-        target, task = self._look_targets[k], self._tasks[k]
-        if isinstance(target, str):
-            owner = self.view.owner(target)
-            if owner >= 0:
-                return owner
-            controller.look_at(self.view.state(target).face)
-        elif target is not None:
-            controller.look_at(np.array(target))
-        else:
-            owner = int(self._glances[k])
-            if owner < 0 and task is not None:
-                owner = getattr(task, "owner", NOBODY)
-            subject = task.subject(controller) if task is not None and owner < 0 else None
-            if subject is None:
-                return owner
-            controller.look_at(subject)
-        return ELSEWHERE
-
     # --- orders ---------------------------------------------------------------------------
 
     def _accept(self, k: int, order: Do) -> None:
@@ -466,7 +387,7 @@ class TaskDispatcher:
         if not (resumes or self._waits[k]):
             self._orders[k] = order
             self._tries[k], self._asked[k], self._stood[k] = 0, 0.0, 0.0
-        self._regrets[k] = None
+        self._gaze.regrets[k] = None
         if order == "walk" and k in self.minded:
             # The person's own mind says where to.
             self._ordered[k] = False
@@ -488,9 +409,9 @@ class TaskDispatcher:
     def _accept_aside(self, k: int, controller: PersonController, order: Do) -> None:
         """Accept an order that leaves the task as it is."""
         if isinstance(order, spec.LookAt):
-            self._look_targets[k] = order.look_at
+            self._gaze.targets[k] = order.look_at
         elif isinstance(order, spec.LookAhead):
-            self._look_targets[k] = None
+            self._gaze.targets[k] = None
         elif isinstance(order, spec.SetSpeed):
             if self._usual_paces[k] is not None:
                 self._usual_paces[k] = order.speed

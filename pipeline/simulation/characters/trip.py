@@ -17,6 +17,7 @@ from pipeline.simulation.characters.hurdles import hurdle_gap
 from pipeline.simulation.characters.person_record import FOOT, KNEE, NODE_COUNT, STANCE, SWING
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.vectors import minus, put, row
 
 LEAST_FROUDE, FALLING_FROUDE = 0.15, 0.6  # speeds of a trip without effect, and of a certain fall
 HIGH_HURDLE = 0.12  # rise that catches a foot for certain, in leg lengths
@@ -28,6 +29,7 @@ TURN_RATE = 3.6  # at which a certain fall turns the body about the foot [rad/s]
 LEAN_RATE = 1.6  # at which a stumble leans the trunk [1/s]
 SPEED_KEPT = 0.5  # of the led place after a fall
 YIELD = 0.05  # by which a caught foot comes to rest [m]
+FOOT_SPEED = 1.5  # of a foot that is caught, in that of the person
 TOE = 0.6  # ahead of the ankle, in foot lengths
 
 
@@ -73,12 +75,16 @@ def _trip(person: Record, k: int, arrays: CharacterArrays, solids: Solids, h: fl
     if strength < LEAST_STRENGTH:
         return
     person.foot_state[k] = STANCE
+    caught = row(person.ankles, k)
     speed = max(ground_speed(person), 1e-6)
     x, z = person.velocity[0] / speed, person.velocity[1] / speed
     person.stance_place[k, 0] = person.ankles[k, 0] + YIELD * x
     person.stance_place[k, 2] = person.ankles[k, 2] + YIELD * z
     person.stance_place[k, 1] = person.floor + person.ankle
     person.stance_on_deck[k] = 0
+    put(person.settling, k, minus(caught, row(person.stance_place, k)))
+    swing = FOOT_SPEED * speed
+    put(person.settling_rate, k, (swing * x, 0.0, swing * z))
     person.trips += 1
     falls = strength >= FALL_STRENGTH
     slackness = FALL_SLACKNESS if falls else STUMBLE_SLACKNESS + 0.3 * strength

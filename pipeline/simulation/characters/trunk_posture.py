@@ -64,7 +64,8 @@ SHIFT_RATE, SHIFT_BLEND_RATE = 0.05, 3.0
 SHIFT_ASIDE, SHIFT_AHEAD = 0.04, 0.014
 SHIFT_TILT = math.radians(1.5)  # of the pelvis, the free hip down
 STEPPING_BLEND = 0.1  # of walking, up to which a person steps in place
-BUSY_SHIFT = 0.4  # of a weight shift with the hands at work, in one with free hands
+SLIGHT_BOW = 0.2  # up to which a person shifts its weight, such as a rider that holds a post
+BUSY_SHIFT = 0.7  # of a weight shift with the hands at work, in one with free hands
 DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shifts
 
 SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
@@ -161,15 +162,15 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
 def _weight_shift(person: Record, dt: float) -> tuple[float, float]:
     """Return the weight shift of a standing person to the right and ahead, each -1 to 1.
 
-    There is none while the person walks (steps in place are not walking), sits, bows or kicks, and
-    less with the hands at work.
+    There is none while the person walks (steps in place are not walking), sits, bows low or kicks,
+    and less with the hands at work.
     """
     is_idle = (
         person.walk_blend < STEPPING_BLEND
         and person.posture == STANDING
         and person.sit_blend == 0.0
         and person.kick_foot < 0
-        and person.bow < 0.02
+        and person.bow < SLIGHT_BOW
     )
     free = person.arm_mode[0] < PLACED and person.arm_mode[1] < PLACED
     target = (1.0 if free else BUSY_SHIFT) if is_idle else 0.0

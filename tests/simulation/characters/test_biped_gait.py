@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters import character_plans
+from pipeline.simulation.characters.biped_gait import _step_progress
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.gait_timing import duty_factor, stride_rate
-from pipeline.simulation.dynamics.compiled import entry
+from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import build_ground
@@ -347,3 +350,21 @@ def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     pain, fastest = zigzag(kind, speed, seed)
     assert pain < 2.0
     assert fastest < 5.0 * speed + 9.0
+
+
+@entry
+def way_of_foot(persons: Records, u: float) -> tuple[float, float]:
+    """Return the fractions of the way ahead and of the rise of the left foot of a person."""
+    return _step_progress(persons[0], 0, u)
+
+
+@pytest.mark.parametrize("rise", [0.4, 0.0, -0.4])
+def test_a_foot_goes_up_before_ahead_and_ahead_before_down(rise: float) -> None:
+    person = zero_records(1, PERSON)
+    person["hip_height"], person["swing_end"] = 0.5, rise * 0.5
+    ways = [way_of_foot(person, u) for u in (0.0, 0.25, 0.5, 0.75, 1.0)]
+    assert ways[0] == pytest.approx((0.0, 0.0))
+    assert ways[-1] == pytest.approx((1.0, 1.0))
+    leads = [up - ahead for ahead, up in ways[1:-1]]
+    assert all(np.sign(lead) == np.sign(rise) for lead in leads)
+    assert max(map(abs, leads)) >= 0.3 * abs(rise)

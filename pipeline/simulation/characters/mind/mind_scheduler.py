@@ -174,9 +174,10 @@ class MindScheduler:
             turns = sorted(hurt.union(turns))
         if turns:
             self._notice(turns, now)
-        ordered = self._dispatcher.is_ordered
+        ordered, giving = self._dispatcher.is_ordered, self._dispatcher.giving
         delights, gazes, behaviours = self._numbers
-        before = {n: self.minds[n].doing for n in turns if not ordered(self._indices[n])}
+        led = {n for n in turns if ordered(k := self._indices[n]) or k in giving}
+        before = {n: self.minds[n].doing for n in turns if n not in led}
         # All choose before any of them acts, so that their order has no effect.
         for n in before:
             self.minds[n].choose()

@@ -33,6 +33,7 @@ Texture = Literal[
     "fur",
     "plumage",
     "pores",
+    "wrinkles",
     "scales",
     "weave",
     "scratches",

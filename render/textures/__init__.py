@@ -103,6 +103,7 @@ _PATTERNS: dict[str, Callable[[np.random.Generator], ground_patterns.Drawn]] = {
     "fur": object_patterns.fur,
     "plumage": object_patterns.plumage,
     "pores": object_patterns.pores,
+    "wrinkles": object_patterns.wrinkles,
     "scales": object_patterns.scales,
     "weave": object_patterns.weave,
     "scratches": object_patterns.scratches,

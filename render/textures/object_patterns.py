@@ -118,6 +118,18 @@ def pores(rng: np.random.Generator) -> Drawn:
     return shade.clip(0.5, 1.4), 0.1 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
 
 
+def wrinkles(rng: np.random.Generator) -> Drawn:
+    """Draw thick hide: a net of deep wrinkles with finer ones between them, and dry dust."""
+    first, second, _ = cells(rng, 14, warp=0.30)
+    near, next_to, _ = cells(rng, 46, warp=0.25)
+    deep = np.exp(-(((second - first) / 0.11) ** 2))
+    fine = np.exp(-(((next_to - near) / 0.16) ** 2))
+    dust = np.tanh(noise(rng, 1.9, first=4))
+    shade = 1.06 - 0.30 * deep - 0.15 * fine + 0.06 * dust
+    relief = -0.0030 * deep - 0.0010 * fine
+    return shade.clip(0.4, 1.5), 0.25 * dust, relief, 0.5
+
+
 def scales(rng: np.random.Generator) -> Drawn:
     """Draw keeled scales in rows offset by half a scale, and clouds of colour over them."""
     y, x = np.mgrid[0:TILE, 0:TILE] / TILE

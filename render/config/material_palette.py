@@ -47,7 +47,7 @@ CREATURES: dict[str, Row] = {
     "skin":           _row("#c98f73", "#b87a62", 0.5,  ("pores", 0.12, 0.7),
                            clearcoat=0.1, sheen=0.3, subsurface=1.0),
     "green skin":     _row("#5a7a2c", "#46642a", 0.35, ("pores", 0.12, 0.8), clearcoat=0.5),
-    "wet skin":       _row("#567527", "#3f5c22", 0.25, ("pores", 0.45, 2.5), clearcoat=1.0),
+    "wet skin":       _row("#567527", "#3f5c22", 0.4,  ("pores", 0.45, 3.5), clearcoat=0.55),
     "green scales":   _row("#5c7a30", "#3f5a26", 0.45, ("scales", 0.5, 1.0), clearcoat=0.25),
     "brown scales":   _row("#7a6440", "#5a4529", 0.5,  ("scales", 0.5, 1.0), clearcoat=0.2),
     "grey hide":      _row("#6b655d", "#6d6256", 0.9,  ("wrinkles", 0.9, 1.6), sheen=0.2),

@@ -63,7 +63,7 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 2300, 320
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 2300, 400
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 
@@ -96,6 +96,9 @@ CELLS = 96
 
 HEAD_CELL, FOOT_CELL = 0.11, 0.24
 """Cell of a skull and of a paw, in the radius there, at first."""
+
+FURROW_GIRTH = 0.6
+"""Radius of a skull or a paw for its furrows, in that of its lumps: they are finer."""
 
 DEFAULT_TOES = {"hooves": 1, "paws": 4, "toes": 4, "claws": 5, "plain": 0}
 """Toes of a foot that says no number."""
@@ -520,7 +523,8 @@ class AnimalHide:
         self, patch: Patch, lumps: list[Lump], cell: float, most: int, is_head: bool
     ) -> Skin:
         solid = budgeted(lumps, cell, most)
-        return self._hide(solid, patch.limbs, is_head)
+        girth = FURROW_GIRTH * cell / (HEAD_CELL if is_head else FOOT_CELL)
+        return self._hide(solid, patch.limbs, is_head, lumps=lumps, girth=girth)
 
     def _hide(
         self,
@@ -529,6 +533,7 @@ class AnimalHide:
         is_head: bool = False,
         has_face: bool = False,
         lumps: Sequence[Lump] = (),
+        girth: float | None = None,
     ) -> Skin:
         """Return a surface with its paint and its hair.
 
@@ -538,10 +543,11 @@ class AnimalHide:
             is_head: whether it is the skull's.
             has_face: whether the skull is a part of it.
             lumps: whose furrows are darker.
+            girth: radius of the part [m]; that of the trunk if left out.
         """
         paint = self.coat.paint(solid, limbs, is_head, has_face)
         if lumps:
-            paint = furrowed(paint, lumps, solid, self.coat.girth)
+            paint = furrowed(paint, lumps, solid, girth or self.coat.girth)
         for lump, color in self.colored:
             share = smoothstep(
                 1.0 - 3.0 * lump.distance(solid.vertices) / float(lump.radii_a.min())

@@ -40,16 +40,30 @@ def shoulder_muscles(leg: Chain) -> Iterator[Lump]:
     blend = FURROW * r
     yield ball(_at(hip, r, out, (0.62, -0.62, -0.52)), (0.72 * r, 0.86 * r, 0.56 * r), 0.40 * r)
     yield cone(
-        *(_at(hip, r, out, (-0.55, 1.10, 0.02)), point),
-        *((0.46 * r, 0.34 * r), (0.48 * r, 0.52 * r), blend, FORWARD, 0.10),
+        _at(hip, r, out, (-0.55, 1.10, 0.02)),
+        point,
+        (0.46 * r, 0.34 * r),
+        (0.48 * r, 0.52 * r),
+        blend,
+        FORWARD,
+        0.10,
     )
     yield cone(
-        *(_at(hip, r, out, (-0.66, 0.06, 0.40)), _at(elbow, r_e, out, (-0.50, 0.35, 0.12))),
-        *((0.62 * r, 0.50 * r), (0.86 * r_e, 0.72 * r_e), blend, FORWARD, 0.12),
+        _at(hip, r, out, (-0.66, 0.06, 0.40)),
+        _at(elbow, r_e, out, (-0.50, 0.35, 0.12)),
+        (0.62 * r, 0.50 * r),
+        (0.86 * r_e, 0.72 * r_e),
+        blend,
+        FORWARD,
+        0.12,
     )
     yield cone(
-        *(point, _at(elbow, r_e, out, (0.18, 0.0, 0.0))),
-        *((0.52 * r, 0.46 * r), (1.05 * r_e, 0.92 * r_e), 1.3 * blend, FORWARD),
+        point,
+        _at(elbow, r_e, out, (0.18, 0.0, 0.0)),
+        (0.52 * r, 0.46 * r),
+        (1.05 * r_e, 0.92 * r_e),
+        1.3 * blend,
+        FORWARD,
     )
 
 
@@ -64,21 +78,39 @@ def haunch_muscles(leg: Chain, knee_girth: float) -> Iterator[Lump]:
     r_k, span = knee_girth * float(leg.radii[1]), leg.spans[1]
     out, blend = float(np.sign(hip[2])), FURROW * r
     yield cone(
-        *(_at(hip, r, out, (0.55, 0.46, 0.02)), _at(hip, r, out, (-0.56, 0.20, 0.16))),
-        *((0.46 * r, 0.42 * r), (0.56 * r, 0.54 * r), 1.4 * blend),
+        _at(hip, r, out, (0.55, 0.46, 0.02)),
+        _at(hip, r, out, (-0.56, 0.20, 0.16)),
+        (0.46 * r, 0.42 * r),
+        (0.56 * r, 0.54 * r),
+        1.4 * blend,
     )
     yield ball(_at(hip, r, out, (0.86, 0.58, 0.34)), (0.24 * r, 0.20 * r, 0.24 * r), 1.5 * blend)
     yield cone(
-        *(_at(hip, r, out, (0.36, -0.10, 0.28)), _at(knee, r_k, out, (0.10, 0.10, 0.05))),
-        *((0.70 * r, 0.52 * r), (1.06 * r_k, 0.86 * r_k), 1.0 * blend, FORWARD, 0.10),
+        _at(hip, r, out, (0.36, -0.10, 0.28)),
+        _at(knee, r_k, out, (0.10, 0.10, 0.05)),
+        (0.70 * r, 0.52 * r),
+        (1.06 * r_k, 0.86 * r_k),
+        1.0 * blend,
+        FORWARD,
+        0.10,
     )
     yield cone(
-        *(_at(hip, r, out, (-0.60, -0.06, 0.26)), knee + 0.42 * span - 0.30 * r_k * FORWARD),
-        *((0.54 * r, 0.50 * r), (0.58 * r_k, 0.52 * r_k), blend, FORWARD, 0.10),
+        _at(hip, r, out, (-0.60, -0.06, 0.26)),
+        knee + 0.42 * span - 0.30 * r_k * FORWARD,
+        (0.54 * r, 0.50 * r),
+        (0.58 * r_k, 0.52 * r_k),
+        blend,
+        FORWARD,
+        0.10,
     )
     yield cone(
-        *(_at(knee, r_k, out, (-0.52, -0.30, 0.06)), knee + 0.62 * span - 0.25 * r_k * FORWARD),
-        *((0.62 * r_k, 0.56 * r_k), (0.36 * r_k, 0.30 * r_k), 0.4 * r_k, FORWARD, 0.15),
+        _at(knee, r_k, out, (-0.52, -0.30, 0.06)),
+        knee + 0.62 * span - 0.25 * r_k * FORWARD,
+        (0.62 * r_k, 0.56 * r_k),
+        (0.36 * r_k, 0.30 * r_k),
+        0.4 * r_k,
+        FORWARD,
+        0.15,
     )
 
 
@@ -104,6 +136,6 @@ def loin_hollows(
             z = 0.5 * (inner + outer)
             inside = float(union_distance(trunk, np.array([[x, y, out * z]]))[0]) < 0.0
             inner, outer = (z, outer) if inside else (inner, z)
-        size = np.array([0.62, 0.95, 0.40]) * r
+        size = (0.62 * r, 0.95 * r, 0.40 * r)
         middle = np.array([x, y, out * (inner + size[2] - LOIN_BITE * r)])
         yield ball(middle, size, 0.35 * r, carved=True)

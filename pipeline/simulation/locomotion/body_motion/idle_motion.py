@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, WING
 from pipeline.simulation.figures.skeleton import BODY, Limb
@@ -56,8 +57,8 @@ CARRIAGE = {
     (TAIL, "yaw"): 0.26,
 }
 
-# Least part of it, and what is left of it for those that are no mammals, whose necks are short.
-LEAST_CARRIAGE, INSECT_CARRIAGE = 0.6, 0.35
+# Least part of it, and what is left of it for heads on short necks, of those that are no mammals.
+LEAST_CARRIAGE, SHORT_NECK_CARRIAGE = 0.6, 0.35
 
 # Range of the frequencies of idle motion [1/s].
 MIN_FREQUENCY, MAX_FREQUENCY = 0.25, 0.95
@@ -122,7 +123,7 @@ class FreeJoints:
     def standing(self, motion: BodyMotion) -> Array:
         """Return the carriage of the joints (n, M), which is lost as a creature walks off [rad]."""
         part = np.minimum(motion.speed_fraction, 1.0)[:, self.owner]
-        return (1.0 - part) * self.carriage
+        return motion.style.wander[:, self.owner] * (1.0 - part) * self.carriage
 
     def wandering(self, time: Array, style: MotionStyle) -> Array:
         """Return the idle motion of the joints (n, M) [rad].
@@ -171,7 +172,7 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
     kinds = [(kind, turn) for *_, kind, turn in rows]
     chances = [generator(seed, f"{name}.idle.{joint}").random(2) for name, joint in joints]
     chance = np.array(chances).reshape(-1, 2)
-    styles = [INSECT_CARRIAGE if figures[c].style != "mammal" else 1.0 for c, *_ in rows]
+    shares = [_carriage_share(figures[c], kind) for c, _, _, kind, _ in rows]
     return FreeJoints(
         tree=JointTree(
             np.array([parent for _, _, parent, *_ in rows], dtype=np.int64),
@@ -190,7 +191,7 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
         carriage=np.array(
             [
                 share * CARRIAGE.get(k, 0.0) * _side(seed, name, joint)
-                for k, share, (name, joint) in zip(kinds, styles, joints, strict=True)
+                for k, share, (name, joint) in zip(kinds, shares, joints, strict=True)
             ]
         ),
         wander=np.array([WANDER.get(k, 0.0) for k in kinds]),
@@ -199,6 +200,13 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
         raises=np.array([k == (TAIL, "pitch") for k in kinds], dtype=bool),
         elbow=_elbows(limbs, collected("lower"), collected("preferred"), collected("upper")),
     )
+
+
+def _carriage_share(figure: Figure, kind: str) -> float:
+    """Return the part of its carriage that a kind of limb has: abdomens of shells have none."""
+    if figure.style == "mammal":
+        return 1.0
+    return SHORT_NECK_CARRIAGE if kind == HEAD else float(figure.skin.shell == "plain")
 
 
 def _side(seed: int, name: str, joint: str) -> float:

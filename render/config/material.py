@@ -30,6 +30,7 @@ Texture = Literal[
     "planks",
     "mottle",
     "shell",
+    "carapace",
     "fur",
     "plumage",
     "pores",

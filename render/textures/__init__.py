@@ -100,6 +100,7 @@ _PATTERNS: dict[str, Callable[[np.random.Generator], ground_patterns.Drawn]] = {
     "planks": object_patterns.planks,
     "mottle": object_patterns.mottle,
     "shell": object_patterns.shell,
+    "carapace": object_patterns.carapace,
     "fur": object_patterns.fur,
     "plumage": object_patterns.plumage,
     "pores": object_patterns.pores,

@@ -63,7 +63,7 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 2300, 400
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 2300, 320
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 

@@ -54,7 +54,7 @@ WANDER = {
 CARRIAGE = {
     (HEAD, "yaw"): 0.30,
     (HEAD, "pitch"): 0.06,
-    (TAIL, "yaw"): 0.26,
+    (TAIL, "yaw"): 0.18,
 }
 
 # Least part of it, and what is left of it for heads on short necks, of those that are no mammals.

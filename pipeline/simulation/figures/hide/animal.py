@@ -82,6 +82,9 @@ TASSEL_CELL, TASSEL_TRIANGLES = 0.5, 300
 PAW_SHANK = 0.86
 """Radius of a shank above a paw, in that drawn, which holds its coat as well."""
 
+SLEEK_TRIANGLES = 650
+"""Triangles that the muscles below a sleek coat add to the coarse mesh: no hair hides them."""
+
 MUSCLED_CORE = 0.50
 """Radius of the root of a leg below the muscles of shoulder and haunch, in that drawn."""
 
@@ -166,6 +169,9 @@ class AnimalHide:
         body = self.patches[0]
         trunk = list(body_lumps(figure, self._leg_core))
         body.lumps += [*trunk, *self._haunches(trunk)]
+        is_patched = any(paint.where == "patches" for paint in figure.skin.paint)
+        if figure.feet == "hooves" and has_muscles(self.stance) and not is_patched:
+            body.most += SLEEK_TRIANGLES
         for i, limb in enumerate(figure.skeleton.limbs):
             if any(figure.skeleton.links[n].shape != "round" for n in limb.links):
                 self.untouched.update(limb.links)

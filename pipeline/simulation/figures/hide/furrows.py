@@ -21,7 +21,7 @@ from pipeline.simulation.spatial import Array
 PROBES = (0.14, 0.38)
 """Heights above the hide at which the field is read, in the girth of the part."""
 
-COLOR, SHARE = "#150e0a", 0.62
+COLOR, SHARE = "#150e0a", 0.72
 """Colour of the deepest furrows, and its share there."""
 
 LEAST, MOST = 0.07, 0.45

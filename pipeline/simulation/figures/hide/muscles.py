@@ -23,7 +23,7 @@ LOIN_PLACE, LOIN_RISE, LOIN_BITE = 0.34, 0.10, 0.16
 """Where the hollow of the loin is: ahead of the hip, in the way to the shoulder; above the middle
 of the trunk, and how deep, in the radius of the hip."""
 
-FURROW = 0.16
+FURROW = 0.11
 """Width of the union of one muscle with the next, in the radius of the joint they move."""
 
 
@@ -51,7 +51,7 @@ def shoulder_muscles(leg: Chain) -> Iterator[Lump]:
     yield cone(
         _at(hip, r, out, (-0.66, 0.06, 0.40)),
         _at(elbow, r_e, out, (-0.50, 0.35, 0.12)),
-        (0.62 * r, 0.50 * r),
+        (0.60 * r, 0.54 * r),
         (0.86 * r_e, 0.72 * r_e),
         blend,
         FORWARD,

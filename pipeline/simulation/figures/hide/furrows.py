@@ -52,9 +52,8 @@ def furrow_share(lumps: Sequence[Lump], solid: Solid, girth: float) -> Array:
     """
     normals = vertex_normals(solid.vertices, solid.faces)
     loss = np.zeros(len(solid.vertices))
-    base = union_distance(lumps, solid.vertices)
     for height in PROBES:
         away = height * girth
-        value = union_distance(lumps, solid.vertices + away * normals) - base
+        value = union_distance(lumps, solid.vertices + away * normals)
         loss += np.clip(1.0 - value / away, 0.0, 1.0) / len(PROBES)
     return smoothstep((loss - LEAST) / (MOST - LEAST))

@@ -33,7 +33,7 @@ def furrowed(paint: Paint | None, lumps: Sequence[Lump], solid: Solid, girth: fl
 
     Args:
         paint: None for a surface without.
-        lumps: whose union the surface is.
+        lumps: whose union the surface is, with its vertices on it.
         solid: the surface as the figure stands.
         girth: radius of the part [m].
     """
@@ -46,7 +46,7 @@ def furrow_share(lumps: Sequence[Lump], solid: Solid, girth: float) -> Array:
     """Return how deep in a furrow each vertex (V,) lies, from 0 to 1.
 
     Args:
-        lumps: whose union the surface is.
+        lumps: whose union the surface is, with its vertices on it.
         solid: the surface as the figure stands.
         girth: radius of the part [m].
     """

@@ -76,7 +76,11 @@ class Mood(PresetModel):
     head_deg: Tilt = Field(0.0, description="Raise of the head [degrees].")
     tail_deg: Tilt = Field(0.0, description="Raise of the tail [degrees].")
     sway: Factor = Field(1.0, description="Factor on the sway of head and tail with the gait.")
-    wander: Factor = Field(1.0, description="Factor on the wandering of head and feelers.")
+    wander: Factor = Field(
+        1.0,
+        description="Factor on the wandering of head and feelers, and on how far head and tail "
+        "turn aside at rest.",
+    )
     looseness: Factor = Field(1.0, description="Factor on the follow-through of loose parts.")
 
 

@@ -79,6 +79,18 @@ def shell(rng: np.random.Generator) -> Drawn:
     return shade.clip(0.4, 1.6), 0.35 * cloud, relief, 0.3
 
 
+def carapace(rng: np.random.Generator) -> Drawn:
+    """Draw the granules, pits and clouds of plates without rows, as of crabs and scorpions."""
+    first, _, _ = cells(rng, 44, warp=0.2)
+    tiny, _, _ = cells(rng, 90)
+    granule = np.exp(-((first / 0.30) ** 2))
+    pit = np.exp(-((tiny / 0.20) ** 2))
+    cloud, worn = np.tanh(noise(rng, 1.9, first=4)), noise(rng, 1.4, first=9)
+    shade = 1 + 0.14 * cloud + 0.05 * worn + 0.07 * granule - 0.12 * pit
+    relief = 0.0005 * granule - 0.0004 * pit + 0.0005 * cloud
+    return shade.clip(0.4, 1.6), (0.45 * cloud + 0.12 * worn).clip(-1, 1), relief, 0.3
+
+
 def fur(rng: np.random.Generator) -> Drawn:
     """Draw hair that lies along the rows, in tufts."""
     hair, tuft = noise(rng, 0.7, first=40, stretch=14.0), noise(rng, 1.5, first=9, stretch=4.0)
@@ -116,6 +128,18 @@ def pores(rng: np.random.Generator) -> Drawn:
     # Hardly flushed: in the shadow, and in the contrast of a low sun, more looks like dirt.
     shade = 1 + 0.02 * flush - 0.06 * fold - 0.1 * pore
     return shade.clip(0.5, 1.4), 0.1 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
+
+
+def wrinkles(rng: np.random.Generator) -> Drawn:
+    """Draw thick hide: a net of deep wrinkles with finer ones between them, and dry dust."""
+    first, second, _ = cells(rng, 14, warp=0.30)
+    near, next_to, _ = cells(rng, 46, warp=0.25)
+    deep = np.exp(-(((second - first) / 0.11) ** 2))
+    fine = np.exp(-(((next_to - near) / 0.16) ** 2))
+    dust = np.tanh(noise(rng, 1.9, first=4))
+    shade = 1.06 - 0.30 * deep - 0.15 * fine + 0.06 * dust
+    relief = -0.0030 * deep - 0.0010 * fine
+    return shade.clip(0.4, 1.5), 0.25 * dust, relief, 0.5
 
 
 def scales(rng: np.random.Generator) -> Drawn:

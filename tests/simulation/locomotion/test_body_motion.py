@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
 from pipeline.simulation.figures.network import FEELER
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
+from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion
 from pipeline.simulation.locomotion.body_motion.limb_avoidance import LimbAvoidance
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule, MotionStyle
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
@@ -99,6 +100,23 @@ def angle(a: Array, b: Array) -> Array:
     """Return the angles between vectors (n, 3) [degrees]."""
     a, b = (v / np.linalg.norm(v, axis=-1, keepdims=True) for v in (a, b))
     return np.degrees(np.arccos(np.clip((a * b).sum(axis=-1), -1.0, 1.0)))
+
+
+# --- carriage ----------------------------------------------------------
+
+
+def test_a_creature_looks_aside_while_it_stands() -> None:
+    recording = Recording("{figure: dog}", duration=0.1)
+    for joint in ("head.base_yaw", "tail.base_yaw"):
+        assert abs(recording.joint(joint).mean()) > 0.1
+    joints = recording.walkers.pose_solver.free_limbs.joints
+    part = np.array([[0.0], [0.5], [1.0]])
+    motion = Mock(spec=BodyMotion, speed_fraction=part, style=Mock(wander=np.ones((3, 1))))
+    carriage = joints.standing(motion)
+    np.testing.assert_allclose(carriage, (1.0 - part) * carriage[0])
+    assert np.abs(carriage[0]).max() > 0.1
+    motion.style.wander[:] = 0.0
+    assert not joints.standing(motion).any()
 
 
 # --- gaze --------------------------------------------------------------

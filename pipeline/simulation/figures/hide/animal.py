@@ -25,6 +25,7 @@ from pipeline.simulation.figures.hide.feet import (
     spread_toes,
     toe_nails,
 )
+from pipeline.simulation.figures.hide.furrows import furrowed
 from pipeline.simulation.figures.hide.hair_lay import HairLay
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.head_gear import (
@@ -51,6 +52,7 @@ from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
 from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
 from pipeline.simulation.figures.hide.trunk import (
     body_lumps,
+    has_muscles,
     haunch_lumps,
     leg_lumps,
     tube_lumps,
@@ -77,6 +79,15 @@ COLUMN_TRIANGLES = 600
 TASSEL_CELL, TASSEL_TRIANGLES = 0.5, 300
 """Cell of the tuft or the bush of a tail, in its radius, and its most triangles."""
 
+PAW_SHANK = 0.86
+"""Radius of a shank above a paw, in that drawn, which holds its coat as well."""
+
+SLEEK_TRIANGLES = 650
+"""Triangles that the muscles below a sleek coat add to the coarse mesh: no hair hides them."""
+
+MUSCLED_CORE = 0.50
+"""Radius of the root of a leg below the muscles of shoulder and haunch, in that drawn."""
+
 LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
 
@@ -88,6 +99,9 @@ CELLS = 96
 
 HEAD_CELL, FOOT_CELL = 0.11, 0.24
 """Cell of a skull and of a paw, in the radius there, at first."""
+
+FURROW_GIRTH = 0.6
+"""Radius of a skull or a paw for its furrows, in that of its lumps: they are finer."""
 
 DEFAULT_TOES = {"hooves": 1, "paws": 4, "toes": 4, "claws": 5, "plain": 0}
 """Toes of a foot that says no number."""
@@ -153,7 +167,11 @@ class AnimalHide:
         """Return the skins by link, and the links that are inside them."""
         figure = self.figure
         body = self.patches[0]
-        body.lumps += [*body_lumps(figure), *self._haunches()]
+        trunk = list(body_lumps(figure, self._leg_core))
+        body.lumps += [*trunk, *self._haunches(trunk)]
+        is_patched = any(paint.where == "patches" for paint in figure.skin.paint)
+        if figure.feet == "hooves" and has_muscles(self.stance) and not is_patched:
+            body.most += SLEEK_TRIANGLES
         for i, limb in enumerate(figure.skeleton.limbs):
             if any(figure.skeleton.links[n].shape != "round" for n in limb.links):
                 self.untouched.update(limb.links)
@@ -184,9 +202,9 @@ class AnimalHide:
         broad = NECKLESS * self.coat.girth
         return is_spread and self.head is not None and max(self.head.radii) > broad
 
-    def _haunches(self) -> Iterator[Lump]:
+    def _haunches(self, trunk: Sequence[Lump]) -> Iterator[Lump]:
         # Spread legs have no shoulders that stand out.
-        return haunch_lumps(self.stance) if self.figure.style == "mammal" else iter(())
+        return haunch_lumps(self.stance, trunk) if self.figure.style == "mammal" else iter(())
 
     @cached_property
     def _material(self) -> str:
@@ -234,12 +252,19 @@ class AnimalHide:
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
             else:
-                patch.lumps += leg_lumps(chain, first, shank, girths, above_shank(feet))
+                patch.lumps += leg_lumps(
+                    chain, first, shank, girths, above_shank(feet), self._leg_core
+                )
                 lumps = [ankle_lump(chain)]
                 solid = shank_solid(chain, shank, girths, feet)
                 patch.skins.append(self._hide(solid, [i]))
             if after == len(limb.links):
                 self._add_foot(chain, feet, patch, lumps, girths[-1])
+
+    @property
+    def _leg_core(self) -> float:
+        """Radius of a leg at its root, in that drawn."""
+        return MUSCLED_CORE if has_muscles(self.stance) else 1.0
 
     def _girths(self, i: int) -> Array:
         """Return width and depth (n + 1, 2) of a limb at its nodes, in the drawn radii."""
@@ -247,6 +272,9 @@ class AnimalHide:
         girths = self.figure.drawing.girths[nodes, :2].copy()
         # The girth of a body's node is the body's.
         girths[0] = 1.0
+        has_paws = self.figure.feet == "paws" and self.figure.skin.toes != 2
+        if has_paws and self.figure.skeleton.limbs[i].kind == LEG:
+            girths[2:-1] *= PAW_SHANK
         return girths
 
     def _hand(self) -> str:
@@ -492,7 +520,7 @@ class AnimalHide:
             if any(paint.where == "patches" for paint in self.figure.skin.paint):
                 cell, most = NET_CELL * cell, int(most / NET_CELL**2)
             solid = budgeted(patch.lumps, cell, most)
-            yield self._hide(solid, patch.limbs, has_face=patch.has_face)
+            yield self._hide(solid, patch.limbs, has_face=patch.has_face, lumps=patch.lumps)
         for lumps, cell, most, is_head in patch.fine:
             yield self._meshed(patch, lumps, cell, most, is_head)
         yield from patch.skins
@@ -501,13 +529,31 @@ class AnimalHide:
         self, patch: Patch, lumps: list[Lump], cell: float, most: int, is_head: bool
     ) -> Skin:
         solid = budgeted(lumps, cell, most)
-        return self._hide(solid, patch.limbs, is_head)
+        girth = FURROW_GIRTH * cell / (HEAD_CELL if is_head else FOOT_CELL)
+        return self._hide(solid, patch.limbs, is_head, lumps=lumps, girth=girth)
 
     def _hide(
-        self, solid: Solid, limbs: list[int], is_head: bool = False, has_face: bool = False
+        self,
+        solid: Solid,
+        limbs: list[int],
+        is_head: bool = False,
+        has_face: bool = False,
+        lumps: Sequence[Lump] = (),
+        girth: float | None = None,
     ) -> Skin:
-        """Return a surface with its paint and its hair."""
+        """Return a surface with its paint and its hair.
+
+        Args:
+            solid: as the figure stands.
+            limbs: numbers of the limbs that it covers.
+            is_head: whether it is the skull's.
+            has_face: whether the skull is a part of it.
+            lumps: whose furrows are darker.
+            girth: radius of the part [m]; that of the trunk if left out.
+        """
         paint = self.coat.paint(solid, limbs, is_head, has_face)
+        if lumps:
+            paint = furrowed(paint, lumps, solid, girth or self.coat.girth)
         for lump, color in self.colored:
             share = smoothstep(
                 1.0 - 3.0 * lump.distance(solid.vertices) / float(lump.radii_a.min())

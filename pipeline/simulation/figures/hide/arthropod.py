@@ -8,7 +8,9 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.animal import CELLS
+from pipeline.simulation.figures.hide.bristles import limb_bristles, trunk_bristles
 from pipeline.simulation.figures.hide.coat import Coat
+from pipeline.simulation.figures.hide.furrows import furrowed
 from pipeline.simulation.figures.hide.lumps import Lump, budgeted
 from pipeline.simulation.figures.hide.sheets import outward, painted, small_ball, tube
 from pipeline.simulation.figures.hide.shell_parts import (
@@ -16,6 +18,7 @@ from pipeline.simulation.figures.hide.shell_parts import (
     LegStyle,
     antenna_segment,
     beetle_leg,
+    chelicerae,
     claw_solids,
     is_claw,
     joint_paint,
@@ -23,8 +26,9 @@ from pipeline.simulation.figures.hide.shell_parts import (
     mandibles,
     palps,
     sting_solid,
+    venom_claws,
 )
-from pipeline.simulation.figures.hide.shells import beetle_plan, body_plates, shields
+from pipeline.simulation.figures.hide.shells import beetle_plan, body_plates, front_of, shields
 from pipeline.simulation.figures.hide.stance import Chain, Stance, smoothstep
 from pipeline.simulation.figures.hide.wing_cases import pronotum, scutellum, wing_case
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
@@ -39,6 +43,8 @@ PLATE_TRIANGLES = {"body": 4000, HEAD: 800, TAIL: 1500}
 BELOW_TRIANGLES = 1900
 """The same of a body whose upper plates are lofted."""
 
+JAW_COLOR, EYE_COLOR = "#1c100a", "#060608"
+
 UNDERSIDE_COLOR = "#0f0b08"
 
 MANY_LEGS = 8
@@ -49,6 +55,18 @@ SPIDER_EYES = (
     *((0.26, 0.72, 0.30, 0.13), (0.16, 0.72, 0.66, 0.13)),
 )
 """Eyes on one side of a spider's face: along, up, to the side and radius, in that of the face."""
+
+
+SMALL_EYES = {
+    "scorpion": ((-0.20, 0.62, 0.16, 0.13), (0.62, 0.44, 0.66, 0.07), (0.46, 0.48, 0.78, 0.07)),
+    "centipede": ((0.70, 0.22, 0.74, 0.10), (0.54, 0.30, 0.86, 0.10), (0.58, 0.14, 0.88, 0.09)),
+}
+"""The same on one side of the head of those whose eyes are single."""
+
+COMPOUND_EYES = {"ant": (0.30, 0.28, 0.16)}
+"""Radii of compound eyes in that of the head: along, up and to the side."""
+
+USUAL_COMPOUND_EYE = (0.42, 0.38, 0.24)
 
 
 class ArthropodHide:
@@ -85,6 +103,7 @@ class ArthropodHide:
             elif limb.kind in (LEG, ARM, FEELER, HORN, TAIL):
                 self._add_limb(chain, found, covered)
         found[0] += self._stalks()
+        found[0] += self._bare_front()
         found[0] += self._upper_plates()
         for link, lumps in self._plates().items():
             most = PLATE_TRIANGLES[self.figure.skeleton.links[link].kind]
@@ -103,7 +122,9 @@ class ArthropodHide:
             # Dark below its upper plates.
             share = smoothstep((plan.front - solid.vertices[:, 0]) / (0.1 * plan.half_width))
             paint = painted(len(solid.vertices), UNDERSIDE_COLOR, 0.85 * share)
-        return self.stance.hide(solid, trunk, paint)
+        # Dirt and shade lie in the creases between plates.
+        paint = furrowed(paint, lumps, solid, self.coat.girth)
+        return self.stance.hide(solid, trunk, paint, trunk_bristles(self.figure, solid))
 
     def _upper_plates(self) -> list[Skin]:
         """Return the lofted plates on the back of a beetle or a centipede."""
@@ -143,7 +164,8 @@ class ArthropodHide:
             own = found.setdefault(first, [])
             for solid in solids:
                 paint = joint_paint(chain, i, solid, 0.8 if self.kind == "beetle" else 0.5)
-                own.append(self.stance.rigid(solid, number, paint))
+                hair = limb_bristles(self.figure, solid, chain.ways[i])
+                own.append(self.stance.rigid(solid, number, paint, hair))
             if number != first:
                 covered.add(number)
 
@@ -172,17 +194,35 @@ class ArthropodHide:
         tip, along, r = chain.points[-1], chain.ways[-1], float(chain.radii[-1])
         if self.kind == "spider":
             solids = _fangs(tip, along, r)
-        elif self.kind in ("crab", "scorpion"):
+        elif self.kind == "crab":
             solids = []
+        elif self.kind == "scorpion":
+            solids = chelicerae(tip, along, r)
+        elif self.kind == "centipede":
+            solids = venom_claws(tip, along, r)
         else:
-            solids = mandibles(tip, along, r, 1.25 if self.kind in ("ant", "beetle") else 1.0)
+            solids = mandibles(tip, along, r, 1.25)
             if self.kind == "beetle":
                 solids += palps(tip, along, r)
         link = chain.limb.links[-1]
         return [
-            self.stance.rigid(solid, link, painted(len(solid.vertices), "#1c100a", 0.9))
+            self.stance.rigid(solid, link, painted(len(solid.vertices), JAW_COLOR, 0.9))
             for solid in solids
         ]
+
+    def _bare_front(self) -> list[Skin]:
+        """Return eyes and pincers of a scorpion whose drawing has no head: its shield has them."""
+        if self.kind != "scorpion" or self._head is not None:
+            return []
+        tip, r = front_of(self.stance)
+        skins = [
+            self.stance.rigid(solid, 0, painted(len(solid.vertices), JAW_COLOR, 0.6))
+            for solid in chelicerae(tip, np.array([1.0, 0.0, 0.0]), r)
+        ]
+        for side in (-1.0, 1.0):
+            for solid in self._eye_solids(tip, r, side):
+                skins.append(self.stance.rigid(solid, 0, painted(len(solid.vertices), EYE_COLOR)))
+        return skins
 
     def _stalks(self) -> list[Skin]:
         if self.kind != "crab":
@@ -246,12 +286,13 @@ class ArthropodHide:
         if self.kind == "crab":
             yield small_ball(self._stalk(side)[1], 0.42 * r * scale)
             return
-        if self.kind == "scorpion":
-            yield small_ball(tip + r * np.array([-0.2, 0.62, side * 0.16]), 0.14 * r * scale)
+        if self.kind in SMALL_EYES:
+            for x, y, z, size in SMALL_EYES[self.kind]:
+                yield small_ball(tip + r * np.array([x, y, side * z]), size * r * scale)
             return
         # Compound eyes: large, drawn out along the side of the head.
         unit = small_ball(np.zeros(3), 1.0, 12, 9)
-        sizes = r * scale * np.array([0.46, 0.40, 0.26])
+        sizes = r * scale * np.array(COMPOUND_EYES.get(self.kind, USUAL_COMPOUND_EYE))
         at = tip + r * np.array([0.18, 0.20, side * 0.86])
         yield outward(Solid(at + sizes * unit.vertices, unit.faces))
 

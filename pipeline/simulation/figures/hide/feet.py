@@ -21,6 +21,9 @@ TWO_TOES = 5.0
 FINGER, FINGER_HANGS = 2.6, 0.55
 """Length of the fingers of an arm, in the radius of its end, and how much they hang down."""
 
+HIND_TOES = 1.7
+"""Length of the toes of a hind leg with a heel, in those of a leg without."""
+
 LEVEL_LINK = 0.55
 """Sine of the slope up to which a foot points along its last link."""
 
@@ -154,6 +157,9 @@ def spread_toes(chain: Chain, toes: int, claws: bool) -> Iterator[tuple[Solid, S
         turns = [(float(a), 4.0 - abs(float(a)) / 60.0, 0.85) for a in fan]
         if toes == 4:
             turns.append((180.0, 2.0, 0.75))
+    if len(chain.ways) == 3 and toes > 4:
+        # The long foot of a hind leg with a heel, as a frog's.
+        turns = [(0.8 * a, HIND_TOES * length, 0.9 * thick) for a, length, thick in turns]
     for degrees, length, thick in turns:
         a = np.radians(degrees)
         ahead = np.cos(a) * way + np.sin(a) * side

@@ -87,8 +87,8 @@ def shank_solid(chain: Chain, start: int, girths: Array, feet: str) -> Solid:
         # Knobs at both ends of a bone; muscles taper into the first joint.
         bone = waist + (knob - waist) * np.abs(2.0 * t - 1.0) ** 3.0
         above = above_shank(feet)
-        sheath = [0.60 * above, 0.98 * above, above, knob]
-        shape = np.interp(t, [0.45, 0.74, 0.86, 1.0], sheath) if i == 0 else bone
+        sheath = [0.78 * above, 0.96 * above, above, knob]
+        shape = np.interp(t, [0.45, 0.60, 0.80, 1.0], sheath) if i == 0 else bone
         places.append(points[i] + t[:, None] * (points[i + 1] - points[i]))
         wide = girths[start - 1 + i] + (girths[start + i] - girths[start - 1 + i]) * t[:, None]
         sizes.append((r * shape)[:, None] * wide)

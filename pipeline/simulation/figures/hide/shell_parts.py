@@ -264,6 +264,43 @@ def mandibles(tip: Array, along: Array, radius: float, size: float) -> list[Soli
     return solids
 
 
+def chelicerae(tip: Array, along: Array, radius: float) -> list[Solid]:
+    """Return the two short pincers before the mouth of a scorpion."""
+    side = normalized(cross(along, UP))
+    solids = []
+    for sign in (-1.0, 1.0):
+        root = tip + radius * (0.55 * along + 0.26 * sign * side - 0.02 * UP)
+        palm = np.array([root, root + radius * (0.30 * along + 0.04 * sign * side)])
+        palm = np.stack([palm[0] + t * (palm[1] - palm[0]) for t in np.linspace(0.0, 1.0, 4)])
+        solids.append(tube(palm, radius * np.array([0.16, 0.24, 0.24, 0.17]), 7))
+        for inner in (-1.0, 1.0):
+            start = palm[-1] + 0.10 * inner * sign * radius * side
+            bow = start + radius * (0.16 * along + 0.05 * inner * sign * side - 0.02 * UP)
+            end = start + radius * (0.32 * along - 0.05 * inner * sign * side - 0.08 * UP)
+            solids.append(
+                tube(np.array([start, bow, end]), radius * np.array([0.10, 0.08, 0.02]), 5)
+            )
+    return solids
+
+
+def venom_claws(tip: Array, along: Array, radius: float) -> list[Solid]:
+    """Return the first legs of a centipede, which are fangs below its head."""
+    side = normalized(cross(along, UP))
+    solids = []
+    for sign in (-1.0, 1.0):
+        line = ((-0.70, 0.78, -0.38), (0.30, 1.30, -0.46), (1.15, 1.02, -0.48), (1.50, 0.20, -0.52))
+        points = np.array(
+            [tip + radius * (a * along + sign * s * side + u * UP) for a, s, u in line]
+        )
+        t = np.linspace(0.0, 1.0, 12)
+        curve = np.stack([np.interp(t, np.linspace(0, 1, 4), points[:, k]) for k in range(3)], -1)
+        for _ in range(2):
+            curve[1:-1] = 0.25 * curve[:-2] + 0.5 * curve[1:-1] + 0.25 * curve[2:]
+        shape = np.interp(t, [0.0, 0.2, 0.34, 0.38, 0.7, 1.0], [0.30, 0.44, 0.34, 0.28, 0.20, 0.02])
+        solids.append(tube(curve, radius * shape, 8))
+    return solids
+
+
 def palps(tip: Array, along: Array, radius: float) -> list[Solid]:
     """Return the two jointed palps below the jaws."""
     side = normalized(cross(along, UP))

@@ -77,6 +77,12 @@ class Axis:
         return self.body[-1], float(self.radii[-1])
 
 
+def front_of(stance: Stance) -> tuple[Array, float]:
+    """Return the foremost node of a body (3,), and its radius [m]."""
+    axis = Axis.of(stance)
+    return axis.body[0], float(axis.radii[0])
+
+
 def body_plates(kind: str, stance: Stance) -> dict[str, list[Lump]]:
     """Return the plates of trunk, head and tail: "body", "head" and "tail".
 

@@ -46,6 +46,10 @@ HIND_STRAIGHTENED = 0.32
 SPRAWL = 0.75
 """How much lower the elbow of a short spread leg is than its joint, in the rise of that."""
 
+FOLDED, HEEL_DOWN = 0.72, 0.85
+"""How much lower the knee of a spread leg with a heel is than its joint, in the rise of that, and
+how far its heel comes down to the ground."""
+
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -174,6 +178,12 @@ class Stance:
         elif self._sprawls(limb):
             rise = max(float(placed[1, 1] - placed[0, 1]), 0.0)
             placed[1, 1] -= SPRAWL * rise
+        elif self._folds(limb):
+            # Thigh and shank lie beside the body, and the heel on the ground.
+            rise = max(float(placed[1, 1] - placed[0, 1]), 0.0)
+            placed[1, 1] -= FOLDED * rise
+            heel = float(placed[3, 1] + radii[2] - radii[3])
+            placed[2, 1] += HEEL_DOWN * min(heel - float(placed[2, 1]), 0.0)
         return Chain(limb, placed, radii)
 
     def _sprawls(self, limb: Limb) -> bool:
@@ -181,6 +191,12 @@ class Stance:
         figure = self.figure
         is_spread = figure.style != "mammal" and figure.skin.shell == "plain"
         return is_spread and limb in figure.skeleton.legs and len(limb.links) == 2
+
+    def _folds(self, limb: Limb) -> bool:
+        """Return whether a limb is a spread leg of an animal with a heel, as a frog's hind leg."""
+        figure = self.figure
+        is_spread = figure.style != "mammal" and figure.skin.shell == "plain"
+        return is_spread and limb in figure.skeleton.legs and len(limb.links) == 3
 
     def _is_hind(self, limb: Limb) -> bool:
         """Return whether a limb is a bent leg of a mammal on four legs."""

@@ -6,12 +6,18 @@ the way in which a leg bends.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.lumps import SIDE, Lump, ball, cone
+from pipeline.simulation.figures.hide.muscles import (
+    LOIN_PLACE,
+    haunch_muscles,
+    loin_hollows,
+    shoulder_muscles,
+)
 from pipeline.simulation.figures.hide.stance import Chain, Stance
 from pipeline.simulation.spatial import UP, Array, normalized
 
@@ -29,8 +35,9 @@ SPLINE_STEPS = 4
 NARROW_SHANK = -0.16
 """Waist of the links below knee and hock, as a fraction of their radius."""
 
-SHEATHED = 0.76
-"""Where on the link above a shank the flesh ends, in its length."""
+SHEATHED, SHEATH_END = 0.76, 0.80
+"""Where on the link above a shank the flesh ends, in its length, and how thick it is there, in the
+shank: it goes in at a flat angle, so that no collar is seen."""
 
 POINT_OF_JOINT = 0.50
 """Distance by which the bone of a bent joint stands out, in the radius there."""
@@ -39,13 +46,24 @@ LEVEL_BODY = 0.5
 """Cosine of the slope of a body that has withers and a brisket."""
 
 
+SHORT_LEGS = 2.6
+"""Length of legs below which the coat of a round body hides their muscles, in its radius."""
+
+ON_MIDLINE = 0.05
+"""Distance of a node from the midline up to which it is on it, in its radius."""
+
 FLANK_PLACE, FLANK_DEPTH = 0.36, 0.62
 """Where the fold of the flank begins: ahead of the hip, in the way to the shoulder, and below the
 middle of the trunk, in its height there."""
 
 
-def body_lumps(figure: Figure) -> Iterator[Lump]:
-    """Yield the flesh of the trunk."""
+def body_lumps(figure: Figure, core: float = 1.0) -> Iterator[Lump]:
+    """Yield the flesh of the trunk.
+
+    Args:
+        figure: an animal.
+        core: radius at hips and shoulders, in that drawn: muscles around them need a thin core.
+    """
     nodes = list(figure.anatomy.body)
     bones = list(figure.anatomy.bones) or [(nodes[0], nodes[0])]
     radii = figure.drawing.radii * figure.scale
@@ -56,6 +74,8 @@ def body_lumps(figure: Figure) -> Iterator[Lump]:
         for node in (a, b):
             width, height, lift = widths[node]
             r = float(radii[node])
+            if abs(float(figure.points[node][2])) > ON_MIDLINE * r:
+                r *= core
             ends.append((figure.points[node] + lift * r * UP, (height * r, width * r)))
         (p_a, r_a), (p_b, r_b) = ends
         yield cone(p_a, p_b, r_a, r_b, blend)
@@ -68,7 +88,12 @@ def _girth(figure: Figure, node: int) -> tuple[float, float, float]:
 
 
 def leg_lumps(
-    chain: Chain, start: int, end: int, girths: Array, sheathed: float | None = None
+    chain: Chain,
+    start: int,
+    end: int,
+    girths: Array,
+    sheathed: float | None = None,
+    root: float = 1.0,
 ) -> Iterator[Lump]:
     """Yield the flesh of some links of a leg or an arm.
 
@@ -78,17 +103,20 @@ def leg_lumps(
         end: the link after the last.
         girths: (n + 1, 2) width and depth at the nodes, in the drawn radii.
         sheathed: radius of the shank in which they end, in that drawn; None without one.
+        root: radius at the first node, in that drawn: muscles around it need a thin core.
     """
     points, radii, ways = chain.points, chain.radii, chain.ways
     for i in range(start, end):
         a, b, r_a, r_b = points[i], points[i + 1], float(radii[i]), float(radii[i + 1])
         upper = i < max(len(ways) - 2, 1)
         if i == 0:
-            r_a = min(r_a, 1.9 * r_b)
+            r_a = root * min(r_a, 1.9 * r_b)
         if sheathed is not None and i == end - 1:
             # Its end is coarse: it would come out of the shank in steps.
-            b, r_b = a + SHEATHED * (b - a), 0.91 * sheathed * (r_a + SHEATHED * (r_b - r_a))
+            b, r_b = a + SHEATHED * (b - a), SHEATH_END * sheathed * (r_a + SHEATHED * (r_b - r_a))
         blend = (UPPER_BLEND if upper else LOWER_BLEND) * max(r_a, r_b)
+        if root < 1.0 and i == 0:
+            blend *= root
         deep = LEG_DEPTH + (0.10 if i == 0 else 0.0)
         # The second of three links is a forearm.
         bulge = (0.14, 0.20)[i] if i < min(2, max(len(ways) - 1, 1)) else NARROW_SHANK
@@ -118,30 +146,72 @@ def _joint_lumps(chain: Chain, i: int, girth: float) -> Iterator[Lump]:
     yield cone(at, tip, (0.75 * r, 0.65 * r), (0.55 * r, 0.5 * r), 0.5 * r, FORWARD)
 
 
-def haunch_lumps(stance: Stance) -> Iterator[Lump]:
-    """Yield shoulders, buttocks, withers and brisket of an animal on four legs."""
+def has_muscles(stance: Stance) -> bool:
+    """Return whether muscles show: on legs that are neither columns nor short below a body."""
+    figure = stance.figure
+    legs = [stance.chain(limb) for limb in figure.skeleton.legs]
+    if figure.style != "mammal" or figure.feet == "plain":
+        return False
+    if len(legs) < 4:
+        return _is_hopper(figure, legs)
+    girth = float(figure.drawing.radii[list(figure.anatomy.body)].max()) * figure.scale
+    return float(np.mean([leg.lengths.sum() for leg in legs])) > SHORT_LEGS * girth
+
+
+def _is_hopper(figure: Figure, legs: Sequence[Chain]) -> bool:
+    """Return whether an animal on two legs has the haunches of one on four, as a kangaroo."""
+    return figure.feet == "paws" and all(len(leg.points) > 3 for leg in legs)
+
+
+def haunch_lumps(stance: Stance, trunk: Sequence[Lump]) -> Iterator[Lump]:
+    """Yield shoulders, buttocks, withers and brisket of an animal on four legs.
+
+    Args:
+        stance: of a mammal.
+        trunk: the lumps of its body.
+    """
     figure = stance.figure
     legs = [stance.chain(limb) for limb in figure.skeleton.legs]
     if len(legs) < 4:
         for leg in legs:
-            yield from _thigh(leg, 0.8, _knee_girth(figure, leg))
+            girth = _knee_girth(figure, leg)
+            if _is_hopper(figure, legs):
+                yield from haunch_muscles(leg, girth)
+            else:
+                yield from _thigh(leg, 0.8, girth)
         return
     ahead = np.median([leg.points[0, 0] for leg in legs])
-    for leg in legs:
-        if leg.points[0, 0] >= ahead:
-            yield from _shoulder(leg)
-        else:
-            yield from _thigh(leg, 1.0, _knee_girth(figure, leg))
-            if figure.feet != "plain":
-                yield _flank(figure, leg, max(float(each.points[0, 0]) for each in legs))
     front = [leg for leg in legs if leg.points[0, 0] >= ahead]
+    hind = [leg for leg in legs if leg.points[0, 0] < ahead]
+    shoulder = max(float(leg.points[0, 0]) for leg in front)
+    is_smooth = not has_muscles(stance)
+    if not is_smooth:
+        yield from loin_hollows(trunk, hind, shoulder, _trunk_height(figure, hind, shoulder))
+    for leg in front:
+        yield from _shoulder(leg) if is_smooth else shoulder_muscles(leg)
+    for leg in hind:
+        girth = _knee_girth(figure, leg)
+        if is_smooth or len(leg.points) < 3:
+            yield from _thigh(leg, 1.0, girth)
+        else:
+            yield from haunch_muscles(leg, girth)
+        if figure.feet != "plain":
+            yield _flank(figure, leg, shoulder)
     r = float(front[0].radii[0])
     middle = np.mean([leg.points[0] for leg in front], axis=0)
     yield ball(middle + r * np.array([0.75, -0.55, 0.0]), (0.8 * r, 0.85 * r, 0.75 * r), 0.7 * r)
 
 
+def _trunk_height(figure: Figure, hind: Sequence[Chain], shoulder: float) -> float:
+    """Return the height of the middle of the trunk at the loin [m]."""
+    x = float(np.mean([leg.points[0, 0] for leg in hind]))
+    nodes = sorted(figure.anatomy.body, key=lambda node: float(figure.points[node][0]))
+    places = np.array([figure.points[node] for node in nodes])
+    return float(np.interp(x + LOIN_PLACE * (shoulder - x), places[:, 0], places[:, 1]))
+
+
 def _shoulder(leg: Chain) -> Iterator[Lump]:
-    """Yield the shoulder blade, and the muscle between it and the elbow."""
+    """Yield the shoulder blade, and the muscle between it and the elbow, of a column."""
     hip, elbow, r, r_e = leg.points[0], leg.points[1], float(leg.radii[0]), float(leg.radii[1])
     outward = float(np.sign(hip[2]))
     top = hip + r * np.array([-0.25, 0.75, 0.05 * outward])

@@ -64,7 +64,7 @@ class FreeLimbMotion:
         """Return the values of the joints (n, M), for rows one after the other [rad or m]."""
         joints, necks = self.joints, self.necks
         wandering = joints.wandering(motion.time, motion.style)
-        wishes = joints.swaying(motion) + wandering
+        wishes = joints.swaying(motion) + joints.standing(motion) + wandering
         heads, is_joint = self._heads(motion, wandering), necks.joints.is_joint
         wishes[:, necks.numbers[is_joint]] = heads[:, is_joint]
         wishes += self.clearance.wishes(motion, wishes)
@@ -84,7 +84,7 @@ class FreeLimbMotion:
             # A neck moves the eyes, from which a near target is seen elsewhere.
             for _ in range(EYE_ITERATIONS):
                 gazes = self._gazes(motion, necks.ends(necks.solve(gazes, tilt, own)))
-        gazes = self._limited(gazes)
+        gazes = self._limited(gazes + self._glances(motion))
         gazes[..., 0] += (wander * necks.yaw).sum(axis=-1)
         gazes[..., 1] += (wander * necks.raises).sum(axis=-1) + necks.nods * raised
         return necks.solve(gazes, tilt, own)
@@ -105,6 +105,16 @@ class FreeLimbMotion:
                 angles = gaze_angles(self.herd, motion, c, head, most, own)
                 gazes[:, h, 0], gazes[:, h, 1] = angles
         return gazes
+
+    def _glances(self, motion: BodyMotion) -> Array:
+        """Return where heads (n, H, 2) look aside that stand and are to look at nothing [rad]."""
+        necks = self.necks
+        carriage = self.joints.standing(motion)[:, necks.numbers]
+        free = [[c not in targets for c in necks.owner.tolist()] for targets in motion.look_targets]
+        turns = np.stack(
+            [(carriage * necks.yaw).sum(axis=-1), (carriage * necks.raises).sum(axis=-1)], axis=-1
+        )
+        return np.asarray(turns * np.array(free, dtype=float).reshape(*turns.shape[:2], 1))
 
     def _limited(self, wanted: Array) -> Array:
         """Return gazes (n, H, 2) that follow the wanted ones at a limited speed [rad]."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, WING
 from pipeline.simulation.figures.skeleton import BODY, Limb
@@ -48,6 +49,17 @@ WANDER = {
     (WING, "pitch"): 0.05,
 }
 
+# Carriage of a creature that stands: greatest turn [rad], to a side drawn by its name. An animal at
+# rest looks aside a little, and its tail hangs to one side.
+CARRIAGE = {
+    (HEAD, "yaw"): 0.30,
+    (HEAD, "pitch"): 0.06,
+    (TAIL, "yaw"): 0.18,
+}
+
+# Least part of it, and what is left of it for heads on short necks, of those that are no mammals.
+LEAST_CARRIAGE, SHORT_NECK_CARRIAGE = 0.6, 0.35
+
 # Range of the frequencies of idle motion [1/s].
 MIN_FREQUENCY, MAX_FREQUENCY = 0.25, 0.95
 
@@ -65,6 +77,7 @@ class FreeJoints:
         limbs: that they make up.
         sway, lag, times: amplitude of the sway [rad], its lag in cycles, and oscillations in a
             cycle.
+        carriage: turn while its creature stands [rad].
         wander, frequency, offset: amplitude [rad], frequency [1/s] and start phase [rad] of the
             idle motion.
         raises: whether they raise a tail.
@@ -80,6 +93,7 @@ class FreeJoints:
     sway: Array
     lag: Array
     times: Array
+    carriage: Array
     wander: Array
     frequency: Array
     offset: Array
@@ -105,6 +119,11 @@ class FreeJoints:
         result: Array = strength * np.sin(2.0 * np.pi * turns)
         result += self.raises * style.tail_raise[:, own] + RUNNING_BEND * runs * self.elbow
         return result
+
+    def standing(self, motion: BodyMotion) -> Array:
+        """Return the carriage of the joints (n, M), which is lost as a creature walks off [rad]."""
+        part = np.minimum(motion.speed_fraction, 1.0)[:, self.owner]
+        return motion.style.wander[:, self.owner] * (1.0 - part) * self.carriage
 
     def wandering(self, time: Array, style: MotionStyle) -> Array:
         """Return the idle motion of the joints (n, M) [rad].
@@ -153,6 +172,7 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
     kinds = [(kind, turn) for *_, kind, turn in rows]
     chances = [generator(seed, f"{name}.idle.{joint}").random(2) for name, joint in joints]
     chance = np.array(chances).reshape(-1, 2)
+    shares = [_carriage_share(figures[c], kind) for c, _, _, kind, _ in rows]
     return FreeJoints(
         tree=JointTree(
             np.array([parent for _, _, parent, *_ in rows], dtype=np.int64),
@@ -168,12 +188,31 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
         sway=np.array([SWAY.get(k, (0.0, 1.0))[0] for k in kinds]),
         lag=np.array(lags),
         times=np.array([SWAY.get(k, (0.0, 1.0))[1] for k in kinds]),
+        carriage=np.array(
+            [
+                share * CARRIAGE.get(k, 0.0) * _side(seed, name, joint)
+                for k, share, (name, joint) in zip(kinds, shares, joints, strict=True)
+            ]
+        ),
         wander=np.array([WANDER.get(k, 0.0) for k in kinds]),
         frequency=MIN_FREQUENCY + (MAX_FREQUENCY - MIN_FREQUENCY) * chance[:, 0],
         offset=2.0 * np.pi * chance[:, 1],
         raises=np.array([k == (TAIL, "pitch") for k in kinds], dtype=bool),
         elbow=_elbows(limbs, collected("lower"), collected("preferred"), collected("upper")),
     )
+
+
+def _carriage_share(figure: Figure, kind: str) -> float:
+    """Return the part of its carriage that a kind of limb has: abdomens of shells have none."""
+    if figure.style == "mammal":
+        return 1.0
+    return SHORT_NECK_CARRIAGE if kind == HEAD else float(figure.skin.shell == "plain")
+
+
+def _side(seed: int, name: str, joint: str) -> float:
+    """Return the part of its carriage that a joint has, with the sign of its side."""
+    side, part = generator(seed, f"{name}.carriage.{joint}").random(2)
+    return float((1.0 if side < 0.5 else -1.0) * (LEAST_CARRIAGE + (1.0 - LEAST_CARRIAGE) * part))
 
 
 def _elbows(limbs: Sequence[FreeLimb], lower: Array, preferred: Array, upper: Array) -> Array:

@@ -141,6 +141,13 @@ class Freeze(Urge):
     freeze: Name = Field(description="The character that frightens it.")
 
 
+class Accompany(Urge):
+    """Comes along with somebody who goes somewhere, side by side."""
+
+    target = JOINTED_CHARACTER
+    accompany: Name = Field(description="The other, a child or an adult.")
+
+
 FORMS: Mapping[str, type[Urge]] = {
     "attachment": Attachment,
     "comfort": Comfort,
@@ -155,6 +162,7 @@ FORMS: Mapping[str, type[Urge]] = {
     "rest": SitDown,
     "freeze": Freeze,
     "ride": Ride,
+    "accompany": Accompany,
 }
 """Behaviours by the key that selects them."""
 

@@ -240,6 +240,22 @@ class PushRound(ConfigModel):
     turns: Annotated[Positive, Field(le=1000)] = Field(2.0, description="How many turns.")
 
 
+class QueueUp(ConfigModel):
+    """Line up at something, be served in turn, and step aside."""
+
+    queue: Goal = Field(
+        description="Where: [x, z] [m], a member of the cast such as a counter, or a place."
+    )
+    lasts: Annotated[Positive, Field(le=1e6)] = Field(
+        3.0, description="How long it is served at the head of the queue [s]."
+    )
+    from_deg: Annotated[Number, Field(ge=-3600, le=3600)] | None = Field(
+        None,
+        description="Side on which the queue stands, as a heading seen from there; that from "
+        "which the first one comes if left out [degrees].",
+    )
+
+
 class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
@@ -300,6 +316,7 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "sit": SitOn,
     "ride": Ride,
     "push": PushRound,
+    "queue": QueueUp,
     "urge": SetUrges,
     "express": Express,
     "dance": Perform,
@@ -366,6 +383,7 @@ class When(ConfigModel):
     at_rest: Name | None = _event("at_rest")
     hug: tuple[Name, Name] | None = _event("hug")
     failed: Name | None = _event("failed")
+    served: Name | None = _event("served")
     act: Name | None = Field(
         None, description="With failed: the order that is given up, such as hug; any if left out."
     )

@@ -130,6 +130,12 @@ VERBS: Mapping[str, Verb] = {
         "step onto something that moves and stay on it", (PERSON,), {"ride": RIDEABLE}, ends=True
     ),
     "push": Verb("push a merry-go-round round", (PERSON,), {"push": CAROUSEL}, ends=True),
+    "queue": Verb(
+        "line up for one's turn, be served, and step aside",
+        (PERSON,),
+        {"queue": ANYTHING},
+        ends=True,
+    ),
     "stand": Verb("stand up", (PERSON,), ends=True),
     "freeze": Verb("keep quite still until another order", (PERSON, DANCER)),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),

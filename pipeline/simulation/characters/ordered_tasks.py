@@ -28,6 +28,7 @@ from pipeline.simulation.characters.pursuit_tasks import (
     WalkUp,
 )
 from pipeline.simulation.characters.push_task import PushRound
+from pipeline.simulation.characters.queue_task import QueueUp
 from pipeline.simulation.characters.ride_task import RideCarousel, RideSolid
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.shove_task import Grapple
@@ -152,6 +153,11 @@ def _push(controller: PersonController, order: spec.PushRound) -> Task:
     return PushRound(controller.view.number(order.push), order.turns)
 
 
+def _queue(controller: PersonController, order: spec.QueueUp) -> Task:
+    heading = None if order.from_deg is None else math.radians(order.from_deg)
+    return QueueUp(controller.view.target_name(order.queue), order.lasts, heading)
+
+
 def _dance(controller: PersonController, order: spec.Perform) -> Task:
     return Dance(order, controller.view.dances[controller.name])
 
@@ -173,5 +179,6 @@ TASKS: Mapping[type, Callable[[PersonController, Any], Task]] = {
     spec.Ride: _ride,
     spec.PushRound: _push,
     spec.Perform: _dance,
+    spec.QueueUp: _queue,
 }
 """Builders of tasks by the kind of order."""

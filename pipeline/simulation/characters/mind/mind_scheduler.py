@@ -34,8 +34,8 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
-from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
-from pipeline.spec.character import Character
+from pipeline.spec.behaviour import Accompany, Attachment, Comfort, Play, Traits, Urge
+from pipeline.spec.character import Character, companions_of
 from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.relations import Attitudes
 from pipeline.spec.script import SetUrges
@@ -98,7 +98,10 @@ class MindScheduler:
         members = [cast[int(person.record.owner)] for person in dispatcher.controllers]
         self._indices = [k for k, member in enumerate(members) if member.has_mind]
         minded = [members[k] for k in self._indices]
-        configs = [member.behaviours or _default_behaviours(member, cast) for member in minded]
+        configs = [
+            [*(member.behaviours or _default_behaviours(member, cast)), *_company(member, cast)]
+            for member in minded
+        ]
         self._arrays = _arrays_of(minded, configs, self._indices, dispatcher, surroundings)
         _feel_attitudes(self._arrays, minded, surroundings, attitudes)
         self.minds = [
@@ -369,3 +372,9 @@ def _default_behaviours(member: Character, cast: Sequence[Character]) -> list[Ur
         return [Comfort(comfort=other.name) for other in others if other.character == "child"]
     adults = [other for other in others if other.character == "adult" and other.acts]
     return [*(Attachment(attachment=other.name) for other in adults[:1]), *balls[:1]]
+
+
+def _company(member: Character, cast: Sequence[Character]) -> list[Urge]:
+    """Return what makes a character come along with its companions."""
+    known = {one.accompany for one in member.behaviours if isinstance(one, Accompany)}
+    return [Accompany(accompany=name) for name in companions_of(member, cast) if name not in known]

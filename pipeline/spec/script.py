@@ -256,6 +256,30 @@ class QueueUp(ConfigModel):
     )
 
 
+class Greet(ConfigModel):
+    """Wave at somebody, whatever else it does."""
+
+    greet: Target = Field(description="At whom or what, or a place [x, y, z] [m].")
+
+
+class PointAt(ConfigModel):
+    """Point at something, whatever else it does."""
+
+    point: Target = Field(description="At whom or what, or a place [x, y, z] [m].")
+
+
+class Refuse(ConfigModel):
+    """Hold up a hand against somebody and shake the head, whatever else it does."""
+
+    refuse: Target = Field(description="Whom or what, or a place [x, y, z] [m].")
+
+
+class Soothe(ConfigModel):
+    """Go up to somebody and stroke a shoulder."""
+
+    soothe: Name = Field(description="Whom: a child or an adult.")
+
+
 class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
@@ -317,6 +341,10 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "ride": Ride,
     "push": PushRound,
     "queue": QueueUp,
+    "greet": Greet,
+    "point": PointAt,
+    "refuse": Refuse,
+    "soothe": Soothe,
     "urge": SetUrges,
     "express": Express,
     "dance": Perform,

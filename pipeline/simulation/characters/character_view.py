@@ -47,6 +47,7 @@ class CharacterView:
         holders: names of the people that hold members of other rooms, by name.
         slots: places on things that people have taken.
         queues: of people who wait to be served.
+        sadness: that faces of acting people show, 0 to 1, by their number.
         persons: `PERSON` records of acting people, by their number.
         dances: what people dance that are told to, by name.
     """
@@ -63,6 +64,7 @@ class CharacterView:
     holders: dict[str, str] = field(default_factory=dict)
     slots: Slots = field(default_factory=Slots)
     queues: Queues = field(default_factory=Queues)
+    sadness: dict[int, float] = field(default_factory=dict)
     persons: dict[int, Record] = field(default_factory=dict)
     dances: Mapping[str, DanceGuide] = field(default_factory=dict)
 

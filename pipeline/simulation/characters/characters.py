@@ -29,6 +29,7 @@ from pipeline.simulation.characters.dance_task import (
     dance_contacts,
     rest_dances,
 )
+from pipeline.simulation.characters.gestures import Gestures
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
@@ -98,6 +99,7 @@ class Characters(Troupe):
         obediences = [cast[owner].obedience for owner in owners]
         self.reflexes = PainReflexes(self.dispatcher, obediences, self.pains)
         self.minds = self._start_minds(view)
+        self.gestures = Gestures(self.dispatcher)
         self.companions = Companions(company_of(cast), self.dispatcher, world.seed)
         channels = self.minds.channels if self.minds is not None else ()
         # The acting people first, in the order of their records, then the limp ones.
@@ -205,7 +207,7 @@ class Characters(Troupe):
 
     def members_needed(self, orders: Orders) -> Collection[str]:
         """Return the members whose states the tasks of people need."""
-        return self.dispatcher.members_needed(orders)
+        return self.dispatcher.members_needed(orders) | self.gestures.members
 
     def see_members(self, members: Mapping[str, MemberState]) -> None:
         """Receive the states of these members in the row before."""
@@ -229,6 +231,9 @@ class Characters(Troupe):
             self.minds.think(step, step * self.world.clock.dt)
         self.companions.advance(step * self.world.clock.dt)
         self.dispatcher.command()
+        if self.minds is not None:
+            self.minds.gesture(self.gestures, step * self.world.clock.dt)
+        self.gestures.advance(self.world.clock.dt)
         self.reflexes.react(step * self.world.clock.dt)
         for controller in self.dispatcher.acting:
             for name, v in controller.kicked_bodies:

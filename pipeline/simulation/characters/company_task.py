@@ -70,7 +70,8 @@ class WalkAlong(Task):
             person.comes_along = False
             self.is_there = controller.is_standing
             return self.is_there
-        controller.go(*self.place, stop_distance=float(leader.stop_distance))
+        x, z = (float(c) for c in self.place)
+        controller.go(x, z, float(leader.stop_distance))
         person.comes_along = True
         # Who is kept from coming along is waited for, and gives nothing up.
         self.approach.advance(controller, self.place, dt)

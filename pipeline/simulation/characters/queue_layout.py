@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.queues import ADULT_HEIGHT, PITCH, Queue
@@ -43,7 +44,7 @@ def queue_at(
     pitch = PITCH * ADULT_HEIGHT
     places = head + pitch * np.arange(MOST_PLACES)[:, None] * away
     low, high = controller.view.edges
-    is_free = ((places > low) & (places < high)).all(axis=1)
+    is_free: NDArray[np.bool_] = ((places > low) & (places < high)).all(axis=1)
     middles, radii = controller.obstacles()
     if len(radii):
         off = np.hypot(*np.moveaxis(places[:, None] - middles, -1, 0))

@@ -54,16 +54,18 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
 from pipeline.spec.expression import EMOTIONS
+from pipeline.spec.gesture import GESTURES, REFUSE
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
+from pipeline.spec.verbs import key_of_order
 
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
 
 SIDE_ORDERS = (
     *(spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges),
-    spec.Express,
+    *(spec.Express, spec.Greet, spec.PointAt, spec.Refuse),
 )
 """Orders that leave the task as it is."""
 
@@ -95,6 +97,7 @@ class TaskDispatcher:
         minded: what people with a mind consent to, by their index.
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
+        gestures: that people are to begin, by their index: kind and name of the target.
         suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
     """
 
@@ -108,6 +111,7 @@ class TaskDispatcher:
         self.view = view
         self.minded: Mapping[int, Consent] = {}
         self.suspended = set[int]()
+        self.gestures = list[tuple[int, str, str]]()
         self.controllers = [
             PersonController(view.names[owner], record_view(persons, k), view)
             for k, owner in enumerate(persons["owner"].tolist())
@@ -343,6 +347,7 @@ class TaskDispatcher:
                 task.asked = self._asked[k] = self._asked[k] + self._dt
                 if task.asked > ASKING_TIME:
                     task.failure = " and ".join(filter(None, [f"{giver.name} holds it", refusal]))
+                    self.gestures.append((number, REFUSE, taker.name))
             else:
                 task.asked = 0.0
                 givings[number] = HandOver(giver, taker, thing)
@@ -503,6 +508,9 @@ class TaskDispatcher:
         elif isinstance(order, spec.Express):
             self.expressions = self.expressions.copy()
             self.expressions[k] = _told(order)
+        elif (kind := key_of_order(order)) in GESTURES:
+            target = self.view.target_name(getattr(order, kind))
+            self.gestures.append((k, kind, target))
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":

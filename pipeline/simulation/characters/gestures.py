@@ -2,8 +2,6 @@
 
 A gesture takes a hand that has nothing to do, and the gaze; without a free hand the head alone
 makes it. A person that stands about turns to whom it is meant for. Afterwards the arm hangs again.
-
-Source: Kendon 2004, phases of a gesture: preparation, stroke, retraction.
 """
 
 from __future__ import annotations

@@ -44,7 +44,8 @@ def queue_at(
     pitch = PITCH * ADULT_HEIGHT
     places = head + pitch * np.arange(MOST_PLACES)[:, None] * away
     low, high = controller.view.edges
-    is_free: NDArray[np.bool_] = ((places > low) & (places < high)).all(axis=1)
+    inside = (places > low) & (places < high)
+    is_free: NDArray[np.bool_] = inside[:, 0] & inside[:, 1]
     middles, radii = controller.obstacles()
     if len(radii):
         off = np.hypot(*np.moveaxis(places[:, None] - middles, -1, 0))

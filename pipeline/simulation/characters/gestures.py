@@ -31,7 +31,7 @@ LEAVING_HANDS = (Walk, WalkUp, WalkAlong, FollowTarget, Turn, StandUp, QueueUp, 
 STANDING_ABOUT = (Walk, WalkUp, WalkAlong, Turn, StandUp)
 """Tasks after which a person may turn to whom a gesture is meant for."""
 
-DURATIONS: Mapping[str, float] = {GREET: 1.7, POINT: 2.0, REFUSE: 1.7}
+DURATIONS: Mapping[str, float] = {GREET: 2.2, POINT: 2.0, REFUSE: 2.0}
 """Of gestures, until the arm sinks [s]."""
 
 TURNED_AWAY = math.radians(40.0)  # from which one who stands about turns to it
@@ -52,6 +52,11 @@ class HandPlace(NamedTuple):
 
 
 WAVING, REFUSING = HandPlace(0.35, 0.6, 0.22), HandPlace(0.6, 0.05, -0.12)
+
+LOWERED = HandPlace(0.5, -0.5, 0.05)
+"""Where a hand passes on its way up and down: straight past the shoulder the elbow would swing."""
+
+RAISING, LOWERING = 0.3, 0.6  # times for which it does so, at the start and before the end [s]
 
 
 @dataclass(eq=False)
@@ -211,17 +216,26 @@ def hand_place(controller: PersonController, gesture: Gesture, hand: int, place:
     form = WAVING if gesture.kind == GREET else REFUSING
     ahead = controller.ahead
     outward = (1.0 if hand == 1 else -1.0) * np.array([-ahead[2], 0.0, ahead[0]])
-    aside = form.outward
+    low = _lowered(gesture)
+    ahead_of, up, aside = (
+        high + low * (down - high) for high, down in zip(form, LOWERED, strict=True)
+    )
     since = gesture.time - PREPARATION
     if gesture.kind == GREET and since > 0.0:
-        aside += WAVE_WIDTH * math.sin(2.0 * math.pi * WAVE_RATE * since)
+        aside += (1.0 - low) * WAVE_WIDTH * math.sin(2.0 * math.pi * WAVE_RATE * since)
     towards = controller.direction_to(place)
     # The arm is raised before the body, whoever it is meant for.
     towards = 0.5 * (ahead + towards)
-    held: Array = shoulder + arm * (
-        form.towards * towards + np.array([0.0, form.up, 0.0]) + aside * outward
-    )
+    held: Array = shoulder + arm * (ahead_of * towards + np.array([0.0, up, 0.0]) + aside * outward)
     return held
+
+
+def _lowered(gesture: Gesture) -> float:
+    """Return how much of the way the hand of a gesture is lowered, from 0 to 1."""
+    left = DURATIONS[gesture.kind] - gesture.time
+    share = max(1.0 - gesture.time / RAISING, 1.0 - left / LOWERING, 0.0)
+    share = min(share, 1.0)
+    return share * share * (3.0 - 2.0 * share)
 
 
 def _may_move(controller: PersonController) -> bool:

@@ -35,6 +35,7 @@ def reported_events(facts: Facts) -> set[Event]:
         *(Event("arrived", (name,)) for name in facts.arrived),
         *(Event("touch", (min(pair), max(pair))) for pair in facts.touched),
         *(Event("hug", (s.who, s.other)) for s in facts.signals if s.kind == "hug"),
+        *(Event("served", (s.who,)) for s in facts.signals if s.kind == "served"),
         *_failures(facts),
     }
 

@@ -10,6 +10,7 @@ SIGNAL_KINDS: Mapping[str, str] = {
     "touch": "a character begins to touch another, or something that is in its way",
     "pain": "somebody is hurt, by whom or what",
     "hug": "somebody has its arms around somebody",
+    "served": "somebody has been served at the head of a queue",
     "cry": "somebody cries, for pain or for fear",
     "laugh": "somebody laughs at play",
     "gasp": "somebody takes fright",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
+from pipeline.spec.gesture import GESTURES
 from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, Positive, keyed_union
 from pipeline.spec.suggestions import decided_by_key
 from pipeline.spec.targets import BALL, CAROUSEL, CHARACTER, JOINTED_CHARACTER, TargetKind
@@ -141,6 +142,20 @@ class Freeze(Urge):
     freeze: Name = Field(description="The character that frightens it.")
 
 
+class Accompany(Urge):
+    """Comes along with somebody who goes somewhere, side by side."""
+
+    target = JOINTED_CHARACTER
+    accompany: Name = Field(description="The other, a child or an adult.")
+
+
+class Soothe(Urge):
+    """Strokes the shoulder of somebody near who is sad or hurt."""
+
+    target = JOINTED_CHARACTER
+    soothe: Name = Field(description="The other, a child or an adult.")
+
+
 FORMS: Mapping[str, type[Urge]] = {
     "attachment": Attachment,
     "comfort": Comfort,
@@ -155,6 +170,8 @@ FORMS: Mapping[str, type[Urge]] = {
     "rest": SitDown,
     "freeze": Freeze,
     "ride": Ride,
+    "accompany": Accompany,
+    "soothe": Soothe,
 }
 """Behaviours by the key that selects them."""
 
@@ -163,6 +180,9 @@ WITHDRAWAL_TEXT = "Withdraws from pain; needs no key."
 
 NAMES = (WITHDRAWAL, *FORMS)
 """Names of all behaviours, in the order in which takes number them."""
+
+TAKE_NAMES = (*NAMES, *GESTURES)
+"""Names of behaviours and of gestures, in the order in which takes number them."""
 
 TARGETS: Mapping[str, TargetKind] = {
     key: form.target for key, form in FORMS.items() if form.target is not None

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from pipeline.spec.behaviour import Behaviour, Part, Traits
+from pipeline.spec.behaviour import Accompany, Behaviour, Part, Traits
 from pipeline.spec.character_kinds import HANDS, PEOPLE, WEARERS, Kind
 from pipeline.spec.costume import Costume, HairLook
 from pipeline.spec.keyframes import PoseKey, Turn
-from pipeline.spec.model_base import Fault, Number, raise_faults
+from pipeline.spec.model_base import Fault, Name, Number, raise_faults
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
 from render.config.base import TURN_DESCRIPTION
+
+MAX_COMPANIONS = 20
+"""Greatest number of companions that one character names."""
 
 
 class Character(Performer):
@@ -75,6 +78,11 @@ class Character(Performer):
         description="How much pain a child or an adult bears while it does what it is told: "
         "0 none, 0.5 a hard blow, 1 any. It flinches at half of that, and steps back beyond it.",
     )
+    companions: Annotated[tuple[Name, ...], Field(max_length=MAX_COMPANIONS)] = Field(
+        (),
+        description="Children and adults with whom it walks side by side, and who wait for one "
+        "another; those who have no order of their own come along. One of two says so.",
+    )
     slapstick: bool = Field(
         False, description="Whether it runs into the person it hugs instead of slowing down."
     )
@@ -85,7 +93,7 @@ class Character(Performer):
         return self
 
     def _faults_of_mind(self) -> Iterator[Fault]:
-        for key in ("traits", "behaviours", "slapstick", "obedience"):
+        for key in ("traits", "behaviours", "slapstick", "obedience", "companions"):
             if getattr(self, key) != type(self).model_fields[key].default and not self.acts:
                 message = f"a {self.character} that does not stand does not act; remove this"
                 yield Fault((key,), message, at_key=True)
@@ -136,3 +144,25 @@ class Character(Performer):
     def kind_name(self) -> str:
         """Name of a member that is given none."""
         return self.character
+
+
+def companions_of(member: Character, cast: Sequence[Character]) -> list[str]:
+    """Return the names of those that a character names as companions, or that name it, sorted."""
+    found = set(member.companions)
+    found.update(other.name for other in cast if member.name in other.companions)
+    return sorted(found & {other.name for other in cast if other.acts})
+
+
+def company_of(cast: Sequence[Character]) -> list[list[str]]:
+    """Return the names of people who belong together, also by others, group by group, sorted."""
+    acting = {member.name for member in cast if member.acts}
+    groups = dict[str, set[str]]()
+    for member in cast:
+        accompanied = [b.accompany for b in member.behaviours if isinstance(b, Accompany)]
+        for name in (*member.companions, *accompanied):
+            if member.acts and name in acting:
+                joined = groups.get(member.name, {member.name}) | groups.get(name, {name})
+                groups.update(dict.fromkeys(joined, joined))
+    return sorted(
+        sorted(group) for group in {min(group): group for group in groups.values()}.values()
+    )

@@ -51,6 +51,7 @@ EVENTS: Mapping[str, EventKind] = {
     "hug": EventKind(
         "hug: [kid, mother]", "the first has closed its arms around the second, in this order"
     ),
+    "served": EventKind("served: kid", "a person has been served at the head of a queue"),
     "failed": EventKind(
         "failed: kid, act: hug",
         "a performer gives up an order of this kind (any, if `act` is left out), with a note that "

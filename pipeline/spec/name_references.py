@@ -26,6 +26,7 @@ from pipeline.spec.partial_scene import (
     unknown_name,
     value_at,
 )
+from pipeline.spec.relations import faults_of_person
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.story_checks import faults_of_story
 from pipeline.spec.suggestions import hint
@@ -53,6 +54,7 @@ def faults_of_references(scene: object) -> list[Fault]:
         faults_of_script,
         faults_of_story,
         _behaviour_targets,
+        _companions,
         _moods,
         _look_targets,
         _places,
@@ -196,6 +198,18 @@ def _behaviour_targets(scene: object) -> Iterator[Fault]:
                 if isinstance(name := value_at(behaviour, key), str):
                     path = ("cast", i, "behaviours", k, key)
                     yield from faults_of_target(name, own, fitting, path, cast)
+
+
+def _companions(scene: object) -> Iterator[Fault]:
+    """Find companions that are nobody, oneself, or do not walk by themselves."""
+    cast = cast_by_name(scene)
+    for i, (own, member) in enumerate(named_cast(scene)):
+        for k, name in items_of(value_at(member, "companions")):
+            if isinstance(name, str):
+                path = ("cast", i, "companions", k)
+                yield from faults_of_person(name, cast, path)
+                if name == own:
+                    yield Fault(path, f"'{own}' is no companion of itself; name another")
 
 
 def _moods(scene: object) -> Iterator[Fault]:

@@ -284,7 +284,23 @@ def faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[Fa
     if is_given and value_at(when, "near") is None:
         yield Fault((*path, "within"), "belongs to near; remove this", at_key=True)
     yield from _faults_of_hug(value_at(when, "hug"), (*path, "hug"), named.cast)
+    yield from _faults_of_service(value_at(when, "served"), (*path, "served"), named.cast)
     yield from _faults_of_failure(when, path, named.cast)
+
+
+def _faults_of_service(name: object, path: Path, cast: Cast) -> Iterator[Fault]:
+    """Find that somebody is never served, who is no person that acts."""
+    if not isinstance(name, str):
+        return
+    if name not in cast:
+        yield unknown_name(name, cast, path)
+        return
+    performer = performer_kind(cast[name])
+    if performer is None:
+        yield _fault_of_performer(name, cast[name], path)
+    elif performer != PERSON:
+        message = f"'{name}' is {PERFORMERS[performer]}, which nobody serves"
+        yield Fault(path, f"{message}; name a child or an adult")
 
 
 def _faults_of_failure(when: object, path: Path, cast: Cast) -> Iterator[Fault]:

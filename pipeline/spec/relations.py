@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
-from pipeline.spec.behaviour import Attachment, Comfort, Fight, Flee, Urge
+from pipeline.spec.behaviour import Attachment, Comfort, Fight, Flee, Soothe, Urge
 from pipeline.spec.character import Character
 from pipeline.spec.model_base import ConfigModel, Fault, Name, keyed_union
 from pipeline.spec.partial_scene import Path, cast_by_name, items_of, unknown_name, value_at
@@ -83,6 +83,11 @@ class ParentOf(RelationTo):
         return Attitude((Attachment(attachment=self.parent),))
 
 
+def _friendship(friend: str) -> tuple[Urge, ...]:
+    """Return what a person does for a friend."""
+    return Comfort(comfort=friend), Soothe(soothe=friend)
+
+
 class FriendOf(RelationTo):
     """A friend: each attends to the other, and hugs it when it comes for a hug."""
 
@@ -92,11 +97,11 @@ class FriendOf(RelationTo):
 
     def attitude(self) -> Attitude:
         """See `RelationTo`."""
-        return Attitude((Comfort(comfort=self.of),), interest=FRIENDLY_INTEREST)
+        return Attitude(_friendship(self.of), interest=FRIENDLY_INTEREST)
 
     def attitude_back(self) -> Attitude:
         """See `RelationTo`."""
-        return Attitude((Comfort(comfort=self.friend),), interest=FRIENDLY_INTEREST)
+        return Attitude(_friendship(self.friend), interest=FRIENDLY_INTEREST)
 
 
 class FoeOf(RelationTo):

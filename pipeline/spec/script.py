@@ -240,6 +240,46 @@ class PushRound(ConfigModel):
     turns: Annotated[Positive, Field(le=1000)] = Field(2.0, description="How many turns.")
 
 
+class QueueUp(ConfigModel):
+    """Line up at something, be served in turn, and step aside."""
+
+    queue: Goal = Field(
+        description="Where: [x, z] [m], a member of the cast such as a counter, or a place."
+    )
+    lasts: Annotated[Positive, Field(le=1e6)] = Field(
+        3.0, description="How long it is served at the head of the queue [s]."
+    )
+    from_deg: Annotated[Number, Field(ge=-3600, le=3600)] | None = Field(
+        None,
+        description="Side on which the queue stands, as a heading seen from there; that from "
+        "which the first one comes if left out [degrees].",
+    )
+
+
+class Greet(ConfigModel):
+    """Wave at somebody, whatever else it does."""
+
+    greet: Target = Field(description="At whom or what, or a place [x, y, z] [m].")
+
+
+class PointAt(ConfigModel):
+    """Point at something, whatever else it does."""
+
+    point: Target = Field(description="At whom or what, or a place [x, y, z] [m].")
+
+
+class Refuse(ConfigModel):
+    """Hold up a hand against somebody and shake the head, whatever else it does."""
+
+    refuse: Target = Field(description="Whom or what, or a place [x, y, z] [m].")
+
+
+class Soothe(ConfigModel):
+    """Go up to somebody and stroke a shoulder."""
+
+    soothe: Name = Field(description="Whom: a child or an adult.")
+
+
 class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
@@ -300,6 +340,11 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "sit": SitOn,
     "ride": Ride,
     "push": PushRound,
+    "queue": QueueUp,
+    "greet": Greet,
+    "point": PointAt,
+    "refuse": Refuse,
+    "soothe": Soothe,
     "urge": SetUrges,
     "express": Express,
     "dance": Perform,
@@ -366,6 +411,7 @@ class When(ConfigModel):
     at_rest: Name | None = _event("at_rest")
     hug: tuple[Name, Name] | None = _event("hug")
     failed: Name | None = _event("failed")
+    served: Name | None = _event("served")
     act: Name | None = Field(
         None, description="With failed: the order that is given up, such as hug; any if left out."
     )

@@ -130,8 +130,22 @@ VERBS: Mapping[str, Verb] = {
         "step onto something that moves and stay on it", (PERSON,), {"ride": RIDEABLE}, ends=True
     ),
     "push": Verb("push a merry-go-round round", (PERSON,), {"push": CAROUSEL}, ends=True),
+    "queue": Verb(
+        "line up for one's turn, be served, and step aside",
+        (PERSON,),
+        {"queue": ANYTHING},
+        ends=True,
+    ),
     "stand": Verb("stand up", (PERSON,), ends=True),
     "freeze": Verb("keep quite still until another order", (PERSON, DANCER)),
+    "greet": Verb("wave at something", (PERSON,), {"greet": ANYTHING}, is_aside=True),
+    "point": Verb("point at something", (PERSON,), {"point": ANYTHING}, is_aside=True),
+    "refuse": Verb(
+        "hold up a hand and shake the head", (PERSON,), {"refuse": ANYTHING}, is_aside=True
+    ),
+    "soothe": Verb(
+        "go to somebody and stroke a shoulder", (PERSON,), {"soothe": JOINTED_CHARACTER}, ends=True
+    ),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),
     "express": Verb("show an emotion in the face", (PERSON,), is_aside=True),
     "dance": Verb("dance something from now on, or some bars of it", (PERSON, DANCER)),

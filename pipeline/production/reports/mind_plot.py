@@ -24,7 +24,7 @@ from pipeline.production.run.take_stage import take_of
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from pipeline.spec.behaviour import NAMES
+from pipeline.spec.behaviour import TAKE_NAMES
 from pipeline.spec.character import Character
 
 TOP, GAP = 92, 24
@@ -92,7 +92,7 @@ def mind_traces(scene: Scene, take: Take) -> tuple[MindTrace, ...]:
             return take.values[:, columns[f"{name}.{quantity}"]]
 
         strips = (
-            ("behaviour", _named(values("behaviour"), NAMES)),
+            ("behaviour", _named(values("behaviour"), TAKE_NAMES)),
             ("focus", _named(values("focus"), cast)),
             ("looks at", _named(values("gaze"), cast)),
         )

@@ -13,6 +13,7 @@ from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, Ch
 from pipeline.simulation.characters.deck_choice import Decks
 from pipeline.simulation.characters.hurdles import STILL_SPEED
 from pipeline.simulation.characters.person_record import HEAD, KNEE, PELVIS, SHOULDERS
+from pipeline.simulation.characters.queues import Queues
 from pipeline.simulation.characters.slots import Slots
 from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record, Records
@@ -45,6 +46,8 @@ class CharacterView:
         body_masses: masses of bodies that can be pushed, by name [kg].
         holders: names of the people that hold members of other rooms, by name.
         slots: places on things that people have taken.
+        queues: of people who wait to be served.
+        sadness: that faces of acting people show, 0 to 1, by their number.
         persons: `PERSON` records of acting people, by their number.
         dances: what people dance that are told to, by name.
     """
@@ -60,6 +63,8 @@ class CharacterView:
     body_masses: dict[str, float] = field(default_factory=dict)
     holders: dict[str, str] = field(default_factory=dict)
     slots: Slots = field(default_factory=Slots)
+    queues: Queues = field(default_factory=Queues)
+    sadness: dict[int, float] = field(default_factory=dict)
     persons: dict[int, Record] = field(default_factory=dict)
     dances: Mapping[str, DanceGuide] = field(default_factory=dict)
 

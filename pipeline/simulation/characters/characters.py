@@ -21,6 +21,7 @@ from pipeline.simulation.characters.character_plans import (
     start_nodes,
 )
 from pipeline.simulation.characters.character_view import CharacterView
+from pipeline.simulation.characters.companions import Companions
 from pipeline.simulation.characters.contact_response import new_touch_log
 from pipeline.simulation.characters.dance_task import (
     DanceGuides,
@@ -28,6 +29,7 @@ from pipeline.simulation.characters.dance_task import (
     dance_contacts,
     rest_dances,
 )
+from pipeline.simulation.characters.gestures import Gestures
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
@@ -51,7 +53,7 @@ from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Face
 from pipeline.simulation.troupe import Facts, Troupe, World
-from pipeline.spec.character import Character
+from pipeline.spec.character import Character, company_of
 from pipeline.spec.character_kinds import PEOPLE
 from pipeline.spec.script import Instruction
 
@@ -97,6 +99,8 @@ class Characters(Troupe):
         obediences = [cast[owner].obedience for owner in owners]
         self.reflexes = PainReflexes(self.dispatcher, obediences, self.pains)
         self.minds = self._start_minds(view)
+        self.gestures = Gestures(self.dispatcher)
+        self.companions = Companions(company_of(cast), self.dispatcher, world.seed)
         channels = self.minds.channels if self.minds is not None else ()
         # The acting people first, in the order of their records, then the limp ones.
         limp = [k for k, one in enumerate(cast) if one.character in PEOPLE and not one.acts]
@@ -203,7 +207,7 @@ class Characters(Troupe):
 
     def members_needed(self, orders: Orders) -> Collection[str]:
         """Return the members whose states the tasks of people need."""
-        return self.dispatcher.members_needed(orders)
+        return self.dispatcher.members_needed(orders) | self.gestures.members
 
     def see_members(self, members: Mapping[str, MemberState]) -> None:
         """Receive the states of these members in the row before."""
@@ -225,7 +229,11 @@ class Characters(Troupe):
         self.dispatcher.view.decks.forget_poses()
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
+        self.companions.advance(step * self.world.clock.dt)
         self.dispatcher.command()
+        if self.minds is not None:
+            self.minds.gesture(self.gestures, step * self.world.clock.dt)
+        self.gestures.advance(self.world.clock.dt)
         self.reflexes.react(step * self.world.clock.dt)
         for controller in self.dispatcher.acting:
             for name, v in controller.kicked_bodies:

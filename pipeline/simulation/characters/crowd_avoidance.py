@@ -24,6 +24,12 @@ from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING, SWINGING
+from pipeline.simulation.characters.walking_group import (
+    gather_groups,
+    keep_together,
+    rows_apart,
+    walks_with,
+)
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.spatial import Array
 
@@ -34,6 +40,7 @@ SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar f
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
+COMPANION_SPACE = 0.4  # of those who walk together
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
@@ -71,6 +78,7 @@ def is_in_throng(person: Record) -> bool:
 @compiled
 def avoid_people(persons: Records) -> None:
     """Choose the sidestep of every person, once a step."""
+    gather_groups(persons)
     order = np.zeros(len(persons), dtype=np.int64)
     for i in range(len(persons)):
         n = i
@@ -91,23 +99,28 @@ def avoid_people(persons: Records) -> None:
             continue
         person.gave_way = False
         count = _find_nearest(persons, order, n, nearest)
-        wanted_x, wanted_z = goal_velocity(person)
+        alone_x, alone_z = goal_velocity(person)
+        wanted_x, wanted_z = alone_x, alone_z
+        if person.group_size > 1:
+            wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
         x, z, in_crowd = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
         squeeze = max(person.impatience, 0.0)
         for k in range(count):
             other = persons[nearest[k]]
             tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
             own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - tight)
-            _forbid(person, other, tight, x, z, lines[k])
-            _forbid(person, other, own_space, x, z, lines[count + k])
+            if walks_with(person, other):
+                own_space = min(own_space, COMPANION_SPACE)
+            _forbid(person, other, tight, 0.0, x, z, lines[k])
+            _forbid(person, other, own_space, 1.0 - squeeze, x, z, lines[count + k])
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
             if in_crowd:
                 share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
         _squeeze(person, wanted_x, wanted_z)
-        person.sidestep[0] += SMOOTHING * (x - wanted_x - person.sidestep[0])
-        person.sidestep[1] += SMOOTHING * (z - wanted_z - person.sidestep[1])
+        person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
+        person.sidestep[1] += SMOOTHING * (z - alone_z - person.sidestep[1])
 
 
 @compiled
@@ -244,9 +257,25 @@ def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) ->
 
 @compiled
 def _forbid(
-    one: Record, other: Record, own_space: float, wanted_x: float, wanted_z: float, line: Array
+    one: Record,
+    other: Record,
+    own_space: float,
+    keeps_groups: float,
+    wanted_x: float,
+    wanted_z: float,
+    line: Array,
 ) -> None:
-    """Write the line of velocities beyond which one person would meet another."""
+    """Write the line of velocities beyond which one person would meet another.
+
+    Args:
+        one: the person.
+        other: the other.
+        own_space: around a person, in heights.
+        keeps_groups: share of the width of groups that is passed around, 0 to 1.
+        wanted_x: velocity [m/s].
+        wanted_z: of the same.
+        line: written.
+    """
     shares = other.has_goal and not other.frozen and other.partner != one.owner
     share, own_x, own_z = 0.5, one.velocity[0], one.velocity[1]
     if not shares:
@@ -262,6 +291,11 @@ def _forbid(
     tight = min(tight, BESIDE * one.neighbour_distance)
     space = min(space, max(BESIDE * beside, tight))
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
+    width = keeps_groups * (one.group_width + other.group_width)
+    if width > 0.0 and not walks_with(one, other):
+        row_x, row_z = rows_apart(one, other)
+        if math.hypot(row_x, row_z) > space + width:
+            x, z, space = row_x, row_z, space + width
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
     vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]

@@ -15,6 +15,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.characters.walking_group import (
+    detour_of_group,
+    rows_apart,
+    walks_with,
+)
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 
 Numbers = NDArray[np.int64]
@@ -27,6 +32,7 @@ GAP = 0.42  # between the middles of two people, in heights
 HABIT = 0.85  # cost of the direction nearest to the one taken before, relative to others
 RIGHT_SIDE = 0.02  # part of its cost by which a direction to the right is better
 TURNING = 0.03  # share of the way to a new direction that is taken in a step
+COMMON_WAY = 0.1  # share of the way to the direction of its group that is taken in a step
 MOST_SEEN = 24
 
 
@@ -56,6 +62,8 @@ def head_for_gap(
         left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
         angle = _best_direction(persons, person, seen, count, x, z, speed, min(left, SIGHT))
     person.detour += TURNING * (angle - person.detour)
+    if person.group_size > 1:
+        person.detour += COMMON_WAY * (detour_of_group(persons, person) - person.detour)
     c, s = math.cos(person.detour), math.sin(person.detour)
     return c * x - s * z, s * x + c * z, count >= CROWD
 
@@ -74,7 +82,7 @@ def _people_ahead(
             dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
             if abs(dx) > SIGHT:
                 break
-            is_other = other.owner != person.partner
+            is_other = other.owner != person.partner and not walks_with(person, other)
             if is_other and dx * dx + dz * dz < SIGHT * SIGHT and dx * x + dz * z > 0.0:
                 seen[count] = order[m]
                 count += 1
@@ -116,6 +124,12 @@ def _free_way(person: Record, other: Record, vx: float, vz: float) -> float:
     """Return how far a person gets at a velocity before it meets another [m]."""
     x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
     gap = 0.5 * GAP * (person.height + other.height)
+    # Who walks in a group passes around others with all of it, and others around all of it.
+    width = person.group_width + other.group_width
+    if width > 0.0:
+        row_x, row_z = rows_apart(person, other)
+        if math.hypot(row_x, row_z) > gap + width:
+            x, z, gap = row_x, row_z, gap + width
     square = x * x + z * z
     gap = min(gap, 0.95 * math.sqrt(square))
     wx, wz = vx - other.velocity[0], vz - other.velocity[1]

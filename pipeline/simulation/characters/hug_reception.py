@@ -18,6 +18,7 @@ from pipeline.simulation.characters.person_record import STANDING
 from pipeline.simulation.characters.person_tasks import StandUp, Turn, Walk
 from pipeline.simulation.characters.pursuit_tasks import WalkUp
 from pipeline.simulation.characters.second_try import StepAside
+from pipeline.spec.gesture import REFUSE
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -64,6 +65,7 @@ class HugReception:
                 if refusal := dispatcher.refusal_to_hug(partner, asker):
                     name = dispatcher.controllers[partner].name
                     task.failure = f"{name} {refusal}, and declines"
+                    dispatcher.gestures.append((partner, REFUSE, dispatcher.view.names[asker]))
                     continue
             if task.touched == 0.0:
                 self._prepare(k, task, partner, dt)

@@ -14,6 +14,7 @@ from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, hold
 from pipeline.simulation.characters.handling_tasks import CarryTo
 from pipeline.simulation.characters.hug_tasks import Hug, LoosenHug
 from pipeline.simulation.characters.person_tasks import SitDown
+from pipeline.spec.gesture import REFUSE
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -82,6 +83,7 @@ def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[i
             task.asked = asked[k] = asked[k] + dt
             if task.asked > ASKING_TIME:
                 task.failure = " and ".join(filter(None, [f"{giver.name} holds it", refusal]))
+                people.gestures.append((number, REFUSE, taker.name))
         else:
             task.asked = 0.0
             givings[number] = HandOver(giver, taker, thing)

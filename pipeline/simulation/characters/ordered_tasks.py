@@ -28,16 +28,18 @@ from pipeline.simulation.characters.pursuit_tasks import (
     WalkUp,
 )
 from pipeline.simulation.characters.push_task import PushRound
+from pipeline.simulation.characters.queue_task import QueueUp
 from pipeline.simulation.characters.ride_task import RideCarousel, RideSolid
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.shove_task import Grapple
+from pipeline.simulation.characters.soothe_task import Soothe
 from pipeline.spec import script as spec
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import VERBS, key_of_order
 
 ORDERS_BY_NODES = (
     *(spec.Reach, spec.Hug, spec.Grapple, spec.SitOn, spec.LookAt),
-    *(spec.Ride, spec.PushRound),
+    *(spec.Ride, spec.PushRound, spec.Soothe),
 )
 """Orders that find characters of this room by their nodes, not by their states."""
 
@@ -152,6 +154,15 @@ def _push(controller: PersonController, order: spec.PushRound) -> Task:
     return PushRound(controller.view.number(order.push), order.turns)
 
 
+def _queue(controller: PersonController, order: spec.QueueUp) -> Task:
+    heading = None if order.from_deg is None else math.radians(order.from_deg)
+    return QueueUp(controller.view.target_name(order.queue), order.lasts, heading)
+
+
+def _soothe(controller: PersonController, order: spec.Soothe) -> Task:
+    return Soothe(controller.view.number(order.soothe))
+
+
 def _dance(controller: PersonController, order: spec.Perform) -> Task:
     return Dance(order, controller.view.dances[controller.name])
 
@@ -173,5 +184,7 @@ TASKS: Mapping[type, Callable[[PersonController, Any], Task]] = {
     spec.Ride: _ride,
     spec.PushRound: _push,
     spec.Perform: _dance,
+    spec.QueueUp: _queue,
+    spec.Soothe: _soothe,
 }
 """Builders of tasks by the kind of order."""

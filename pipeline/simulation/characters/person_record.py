@@ -39,6 +39,9 @@ HANG_SWING, HANG_BEND, HANG_OUTWARD = 0.02, np.radians(14.0), 0.13
 STANDING_DUTY = 0.72
 """Stance fraction of a cycle of the slowest walk."""
 
+WALKING_FROUDE = 0.42
+"""Speed of a usual walk, in √(g l)."""
+
 MAX_ARM_STRETCH = 0.995
 """Longest reach of an arm, in the sum of its links."""
 
@@ -151,6 +154,27 @@ PERSON = np.dtype(
         # Whether it has left a place to make way, and that place, x and z [m].
         ("gave_way", "?"),
         ("post", "f8", 2),
+        # The people it belongs to, as a number, or -1; how many of them walk together now, itself
+        # included; its place from the left among them, from 0, now and in the next step, and from
+        # the front where they walk one behind the other; their direction, the place in their middle
+        # that is as far ahead as it is [m], half their width [m], and the pace of the slowest
+        # [m/s]; room for them side by side, 1, or in single file, 0; how much the row is bent, 0
+        # to 1.
+        ("group", "i8"),
+        ("group_size", "i8"),
+        ("group_rank", "i8"),
+        ("group_next", "i8"),
+        ("group_file", "i8"),
+        ("group_ahead", "f8", 2),
+        ("group_row", "f8", 2),
+        ("group_width", "f8"),
+        ("group_pace", "f8"),
+        ("group_room", "f8"),
+        ("group_vee", "f8"),
+        # Whether it comes along with a companion, rather than going somewhere by itself.
+        ("comes_along", "?"),
+        # Share of its patience for which it has waited for those who fall behind, 0 to 1.
+        ("group_wait", "f8"),
         # Distance to others that it accepts where it goes, as beside those on a bench [m].
         ("neighbour_distance", "f8"),
         # Velocity added to keep off what it avoids [m/s]; the foot that kicks, -1 for none; the
@@ -262,13 +286,14 @@ def persons_of(
         person.node = first
         person.heading = headings[i]
         person.partner = person.kick_foot = person.deck = person.known_deck = -1
-        person.hurdle = person.act_things[:] = -1
+        person.hurdle = person.act_things[:] = person.group = -1
+        person.group_size, person.group_room = 1, 1.0
         person.neighbour_distance = np.inf
         person.at[:] = at[i]
         person.floor = ground[i]
         person.gaze[:] = headings[i], 0.0
         person.duty = STANDING_DUTY
-        person.pace = 0.42 * np.sqrt(9.81 * person.hip_height)
+        person.pace = WALKING_FROUDE * np.sqrt(9.81 * person.hip_height)
         nodes = standing_nodes(own, at[i], headings[i], ground[i])
         person.targets[:] = person.previous_targets[:] = nodes
         for k in range(2):

@@ -222,7 +222,7 @@ def walking_failure(
         dt: time since the last update [s].
     """
     person = controller.record
-    if person.frozen or person.sit_blend > 0.0:
+    if person.frozen or person.sit_blend > 0.0 or person.group_wait > 0.0:
         return ""
     if is_in_throng(person):
         # Others go on sooner or later.

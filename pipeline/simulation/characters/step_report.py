@@ -16,6 +16,7 @@ from pipeline.simulation.characters.hug_tasks import HUG, Hug
 from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import DECK_MATERIAL, MATERIALS
+from pipeline.simulation.characters.queue_task import QueueUp
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.compiled import Record, Records, entry
@@ -273,6 +274,7 @@ class SignalDetector:
     def __init__(self, dispatcher: TaskDispatcher, pains: PainRise) -> None:
         self._dispatcher, self._pain = dispatcher, pains
         self._hugged = dict[int, Hug]()
+        self._served = dict[int, QueueUp]()
 
     def signals(self, voices: Sequence[Voice] = ()) -> tuple[Signal, ...]:
         """Return the signals that began in the last step.
@@ -280,7 +282,8 @@ class SignalDetector:
         Args:
             voices: of people with a mind.
         """
-        return (*self._pains(), *(self._voiced(voice) for voice in voices), *self._hugs())
+        voiced = (self._voiced(voice) for voice in voices)
+        return (*self._pains(), *voiced, *self._hugs(), *self._services())
 
     def _pains(self) -> Iterator[Signal]:
         view, added = self._dispatcher.view, self._pain.added
@@ -306,6 +309,14 @@ class SignalDetector:
                     strength = ARM_CLOSING_SPEED * task.size
                     yield self._sounding("hug", k, task.owner, "chest", strength, HUG_SOUND_SIZE)
                 self._hugged[k] = task
+
+    def _services(self) -> Iterator[Signal]:
+        before, self._served = self._served, {}
+        for k, task in self._dispatcher.busy():
+            if isinstance(task, QueueUp) and task.is_served:
+                if task is not before.get(k):
+                    yield Signal("served", self._dispatcher.controllers[k].name, task.target)
+                self._served[k] = task
 
     def _sounding(
         self, kind: str, k: int, other: int, part: str, strength: float, heights: float

@@ -56,15 +56,17 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
 from pipeline.spec.expression import EMOTIONS
+from pipeline.spec.gesture import GESTURES
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.script import Do
+from pipeline.spec.verbs import key_of_order
 
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
 
 SIDE_ORDERS = (
     *(spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges),
-    spec.Express,
+    *(spec.Express, spec.Greet, spec.PointAt, spec.Refuse),
 )
 """Orders that leave the task as it is."""
 
@@ -96,6 +98,7 @@ class TaskDispatcher:
         minded: what people with a mind consent to, by their index.
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
+        gestures: that people are to begin, by their index: kind and name of the target.
         suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
         giving: indices of people with a mind who stand and hold out what another comes for.
     """
@@ -110,6 +113,7 @@ class TaskDispatcher:
         self.view = view
         self.minded: Mapping[int, Consent] = {}
         self.suspended, self.giving = set[int](), set[int]()
+        self.gestures = list[tuple[int, str, str]]()
         self.controllers = [
             PersonController(view.names[owner], record_view(persons, k), view)
             for k, owner in enumerate(persons["owner"].tolist())
@@ -424,6 +428,9 @@ class TaskDispatcher:
         elif isinstance(order, spec.Express):
             self.expressions = self.expressions.copy()
             self.expressions[k] = _told(order)
+        elif (kind := key_of_order(order)) in GESTURES:
+            target = self.view.target_name(getattr(order, kind))
+            self.gestures.append((k, kind, target))
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":

@@ -201,6 +201,10 @@ class Mind:
         m = EDGE_MARGIN
         return np.array([min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)])
 
+    def record_of(self, owner: int) -> Record | None:
+        """Return the record of an acting person, None of another character."""
+        return self._records.get(owner)
+
     @property
     def is_hugging(self) -> bool:
         """Whether it has somebody in its arms."""

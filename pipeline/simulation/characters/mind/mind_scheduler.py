@@ -17,12 +17,14 @@ from pipeline.simulation.characters.behaviours.registry import (
 )
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.carousel_pose import way_off_deck
+from pipeline.simulation.characters.gestures import Gestures
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.mind.felt_emotions import show_feelings
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.mind.own_gestures import OwnGestures
 from pipeline.simulation.characters.mind.perception import Surroundings, notice
 from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
@@ -34,8 +36,8 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
-from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
-from pipeline.spec.character import Character
+from pipeline.spec.behaviour import Accompany, Attachment, Comfort, Play, Traits, Urge
+from pipeline.spec.character import Character, companions_of
 from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.relations import Attitudes
 from pipeline.spec.script import SetUrges
@@ -98,7 +100,10 @@ class MindScheduler:
         members = [cast[int(person.record.owner)] for person in dispatcher.controllers]
         self._indices = [k for k, member in enumerate(members) if member.has_mind]
         minded = [members[k] for k in self._indices]
-        configs = [member.behaviours or _default_behaviours(member, cast) for member in minded]
+        configs = [
+            [*(member.behaviours or _default_behaviours(member, cast)), *_company(member, cast)]
+            for member in minded
+        ]
         self._arrays = _arrays_of(minded, configs, self._indices, dispatcher, surroundings)
         _feel_attitudes(self._arrays, minded, surroundings, attitudes)
         self.minds = [
@@ -131,6 +136,30 @@ class MindScheduler:
         show_feelings(self._arrays, everybody, np.zeros_like(self.felt), self._values)
         self._numbers = self._arrays.minds["delight"], self._values[:, 3], self._values[:, 4]
         self._pains = pains
+        self._own_gestures = OwnGestures(
+            dict(zip(self._indices, self.minds, strict=True)),
+            {
+                k: self._friends(member, cast, attitudes)
+                for k, member in zip(self._indices, minded, strict=True)
+            },
+            *(dispatcher, self._values, self.felt),
+        )
+
+    def _friends(
+        self, member: Character, cast: Sequence[Character], attitudes: Attitudes
+    ) -> set[int]:
+        """Return the numbers of the friends of a character: by a relation, or companions."""
+        names = {one.accompany for one in _company(member, cast)}
+        names.update(
+            other
+            for (who, other), several in attitudes.items()
+            if who == member.name and any(attitude.interest > 0.0 for attitude in several)
+        )
+        return {self._surroundings.view.number(name) for name in names}
+
+    def gesture(self, gestures: Gestures, now: float) -> None:
+        """Let minds begin gestures of their own at a time [s]."""
+        self._own_gestures.advance(gestures, now)
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -370,3 +399,9 @@ def _default_behaviours(member: Character, cast: Sequence[Character]) -> list[Ur
         return [Comfort(comfort=other.name) for other in others if other.character == "child"]
     adults = [other for other in others if other.character == "adult" and other.acts]
     return [*(Attachment(attachment=other.name) for other in adults[:1]), *balls[:1]]
+
+
+def _company(member: Character, cast: Sequence[Character]) -> list[Accompany]:
+    """Return what makes a character come along with its companions."""
+    known = {one.accompany for one in member.behaviours if isinstance(one, Accompany)}
+    return [Accompany(accompany=name) for name in companions_of(member, cast) if name not in known]

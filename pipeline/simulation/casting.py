@@ -207,7 +207,8 @@ def _creatures(
         there = replace(world, ground=ground, solids=world.solids if level is None else ())
         if walkers:
             with refusals.gathered():
-                troupes.append(WalkerTroupe(walkers, there, _default_materials(walkers)))
+                materials, guide = _default_materials(walkers), _guide_maker(scene, world)
+                troupes.append(WalkerTroupe(walkers, there, materials, guide))
         if hoppers:
             with refusals.gathered():
                 troupes.append(HopperTroupe(hoppers, there, _default_materials(hoppers)))

@@ -39,6 +39,7 @@ from pipeline.spec.targets import (
     kind_of_target,
 )
 from pipeline.spec.verbs import (
+    CREATURES,
     DANCER,
     GROUP,
     HOPPER,
@@ -56,6 +57,9 @@ NEAR_DISTANCE = When.model_fields["within"].default
 HAND_ORDERS = ("reach", "grab", "carry", "throw", "let_go")
 """Orders to hands, which creatures have poses for."""
 
+WHOLE_BODY = {"hop_over": "jumps", "jump": "jumps", "dance": "dances"}
+"""Orders that move limbs which poses of creatures would move too."""
+
 
 @dataclass(frozen=True, slots=True)
 class NamedThings:
@@ -66,12 +70,14 @@ class NamedThings:
         places: places of the scene by name.
         dances: names of dances.
         minds: names of the people that act by themselves.
+        persons: names of the figures that are seen as dressed persons.
     """
 
     cast: Cast
     places: Cast
     dances: Collection[str]
     minds: Collection[str] = ()
+    persons: Collection[str] = ()
 
     @staticmethod
     def of(scene: object) -> NamedThings:
@@ -89,7 +95,14 @@ class NamedThings:
             places if isinstance(places, Mapping) else {},
             text_keys(value_at(scene, "dances")),
             people_with_minds(scene),
+            _persons(value_at(scene, "figures")),
         )
+
+
+def _persons(figures: object) -> Collection[str]:
+    """Return the names of the figures of a scene whose skin is a person's."""
+    skins = {name: value_at(value_at(figures, name), "skin") for name in text_keys(figures)}
+    return {name for name, skin in skins.items() if value_at(skin, "form") == "person"}
 
 
 def faults_of_script(scene: object) -> Iterator[Fault]:
@@ -168,12 +181,12 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         )
         if fitting in (GRASPABLE, MOVABLE) and isinstance(target, str):
             yield from _faults_of_scale(target, (*order, field), named.cast)
-    if key in ("hop_over", "jump") and value_at(member, "pose"):
-        yield Fault(order, f"'{name}' has a pose, which conflicts with jumps; remove pose")
+    if performer in CREATURES and key in WHOLE_BODY and value_at(member, "pose"):
+        message = f"'{name}' has a pose, which conflicts with {WHOLE_BODY[key]}; remove pose"
+        yield Fault(order, message)
     if key == "urge":
         yield from _faults_of_urges(name, do, order, named)
-    if key == "grab":
-        yield from _faults_of_part(do, order, named.cast)
+    yield from _faults_of_part(do, order, named.cast)
     if performer == DANCER or key == "dance":
         yield from _faults_of_dancer(name, member, do, order, named)
 
@@ -236,8 +249,16 @@ def _faults_of_urges(name: str, do: object, path: Path, named: NamedThings) -> I
 def _faults_of_dancer(
     name: str, member: object, do: object, path: Path, named: NamedThings
 ) -> Iterator[Fault]:
-    """Find dances that do not exist, and targets that a dancer cannot follow."""
+    """Find dances that do not exist, and orders that who dances cannot follow."""
     dance = value_at(do, "dance")
+    figure = value_at(member, "figure")
+    if figure is not None and figure not in named.persons:
+        message = (
+            f"'{name}' is a {figure}, and dances are for the trunk and arms of a person; name a "
+            "`figure: person`, a child, an adult or a dancer"
+        )
+        yield _at_order(do, "dance", path, message)
+        return
     if isinstance(dance, str) and dance not in named.dances:
         message = f"no dance is called '{dance}', {hint(dance, named.dances, 'dances')}"
         yield Fault((*path, "dance"), message)

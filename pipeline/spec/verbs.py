@@ -148,7 +148,10 @@ VERBS: Mapping[str, Verb] = {
     ),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),
     "express": Verb("show an emotion in the face", (PERSON,), is_aside=True),
-    "dance": Verb("dance something from now on, or some bars of it", (PERSON, DANCER)),
+    "dance": Verb(
+        "dance something from now on, or some bars of it; of walkers, a `figure: person`",
+        (WALKER, PERSON, DANCER),
+    ),
     # Last, for gait and kick have a key of this name too.
     "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON), is_aside=True),
 }

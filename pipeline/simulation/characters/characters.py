@@ -24,8 +24,6 @@ from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.companions import Companions
 from pipeline.simulation.characters.contact_response import new_touch_log
 from pipeline.simulation.characters.dance_task import (
-    DanceGuides,
-    GuideMaker,
     dance_contacts,
     rest_dances,
 )
@@ -47,6 +45,7 @@ from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.people.face_tracker import FaceInputs, FaceTracker
+from pipeline.simulation.people.guided_dance import DanceGuides, GuideMaker
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
@@ -76,7 +75,10 @@ class Characters(Troupe):
         # contacts are resolved, one after the other.
         cast = sorted(cast, key=lambda member: member.name)
         self.world, self.cast = world, cast
-        self.dances = DanceGuides(cast, guide, world.instructions)
+        acting = (member for member in cast if member.acts)
+        measures = {member.name: proportions_of(member) for member in acting}
+        self.dances = DanceGuides({name: p for name, p in measures.items() if p}, guide)
+        self.dances.prepare_all(world.instructions)
         dt = world.clock.dt
         self.count = math.ceil(dt * SUB_STEP_RATE - 1e-9)
         self.plans = [plan_of(member) for member in cast]

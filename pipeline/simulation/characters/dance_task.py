@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -17,19 +17,14 @@ from pipeline.simulation.people.guided_dance import (
     GuidedDance,
     strike_contact,
 )
-from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.people.wardrobe import Clothes
-from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.spec.character import Character
-from pipeline.spec.script import Instruction, Perform
+from pipeline.spec.script import Perform
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
-
-GuideMaker = Callable[[str, Proportions], DanceGuide]
-"""Makes the dances of a person from its name and proportions."""
 
 GAZE_DISTANCE = 3.0
 """Of the place ahead of the head that a dancing person looks at [m]."""
@@ -114,56 +109,6 @@ def rest_dances(persons: Records) -> None:
     """Let dances rest for a step, other than those whose tasks go on with them."""
     persons["dances"] = False
     persons["dance_start"] = persons["dance_end"]
-
-
-class DanceGuides:
-    """The dances of all people that are told to dance.
-
-    Args:
-        cast: characters.
-        make: makes the dances of one of them; None if nobody can dance.
-        instructions: of the scene, with their paths in it.
-
-    Attributes:
-        guides: by the name of the person.
-
-    Raises:
-        SceneError: a person cannot dance what the script tells it to.
-    """
-
-    def __init__(
-        self,
-        cast: Sequence[Character],
-        make: GuideMaker | None,
-        instructions: Sequence[tuple[str, Instruction]],
-    ) -> None:
-        self.guides: dict[str, DanceGuide] = {}
-        self._members = {member.name: member for member in cast if member.acts}
-        self._make = make
-        refusals = Refusals()
-        for path, instruction in instructions:
-            with refusals.gathered():
-                self.prepare(instruction, path)
-        refusals.refuse()
-
-    def prepare(self, instruction: Instruction, path: str) -> None:
-        """Let a person learn the dance of an instruction.
-
-        Args:
-            instruction: to any performer.
-            path: its path in error messages.
-
-        Raises:
-            SceneError: the person cannot dance it.
-        """
-        member, do = self._members.get(instruction.who), instruction.do
-        if member is None or not isinstance(do, Perform) or self._make is None:
-            return
-        proportions = proportions_of(member)
-        assert proportions is not None
-        if member.name not in self.guides:
-            self.guides[member.name] = self._make(member.name, proportions)
-        self.guides[member.name].prepare(do.dance, f"{path}.do.dance")
 
 
 def dance_contacts(

@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.dancers.torso import PALM_FRACTION
 from pipeline.simulation.dynamics.linkage import Capsule, Link, Site
 from pipeline.simulation.people.joint_limits import HINGE_LIMITS
-from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.people.proportions import JOINTS, PALM_FRACTION, Proportions
 from pipeline.simulation.spatial import Array
 
 OVERREACH = 0.02

@@ -28,6 +28,7 @@ from pipeline.simulation.people.proportions import (
     ADULT,
     BUILDS,
     JOINTS,
+    PALM_FRACTION,
     SEGMENT_MASSES,
     Proportions,
 )
@@ -74,9 +75,6 @@ FIELD_GAIN = 230.0
 
 FIELD_FORCE_LIMIT = 320.0
 """Largest force of an adult's force fields along each axis [N]."""
-
-PALM_FRACTION = 0.45
-"""Position of the centre of the palm, as a fraction of the distance from wrist to fingertips."""
 
 HAND_RADIUS = 0.013
 """Radius of the solid of a hand, per body height."""

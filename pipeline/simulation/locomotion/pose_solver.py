@@ -30,6 +30,11 @@ from pipeline.simulation.locomotion.body_motion.pelvis_height import (
     PelvisHeight,
     PlannedMotion,
 )
+from pipeline.simulation.locomotion.dancing.walker_dances import (
+    DancingBody,
+    move_arms,
+    turn_trunks,
+)
 from pipeline.simulation.locomotion.foot_state import FootState, present_lowering
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
@@ -76,6 +81,7 @@ class HerdSnapshot:
         routes: along which they look.
         look_targets: by creature.
         aloft: jumping creatures.
+        dances: dancing creatures.
     """
 
     step: int
@@ -88,6 +94,7 @@ class HerdSnapshot:
     routes: Sequence[Route]
     look_targets: Mapping[int, LookTarget]
     aloft: Mapping[int, JumpingBody]
+    dances: Mapping[int, DancingBody]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +163,8 @@ class PoseSolver:
         jumps = JumpHandover(herd, [moment.aloft for moment in moments])
         jumps.bodies(R_WB, p_WB)
         self.suspension.apply(R_WB, p_WB)
+        dances = [moment.dances for moment in moments]
+        turn_trunks(dances, R_WB, p_WB)
         around = self._pose_authored_bodies(times, distance, tall, R_WB, p_WB)
         tips = self._tips(feet, s, tall, motion, times, R_WB, p_WB)
         jumps.bodies(R_WB, p_WB)
@@ -187,6 +196,7 @@ class PoseSolver:
         v_WB = speed[..., None] * R_WB[..., 0]
         q_free = self.avoidance.apply(times, q_free, R_WB, p_WB, v_WB)
         q_free = self._frozen(q_free, jumps.limp)
+        move_arms(dances, q_free)
         X_free = self.free_joints.tree.pose(q_free)
         misses = self.authored.move_joints(around, (legs.q, legs.X_BJ), (q_free, X_free))
         X_BN = self.table.poses(legs.X_BJ.reshape(n, -1, 4, 4), X_free)

@@ -21,6 +21,7 @@ from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
+from pipeline.simulation.locomotion.dancing.walker_dances import WalkerDances
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import build_herd
@@ -48,6 +49,7 @@ from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.people.face_tracker import FaceTracker
+from pipeline.simulation.people.guided_dance import GuideMaker
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -73,7 +75,11 @@ class WalkerTroupe(Troupe):
     """
 
     def __init__(
-        self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
+        self,
+        cast: Sequence[tuple[int, Creature, Figure]],
+        world: World,
+        materials: Sequence[str],
+        guide: GuideMaker | None = None,
     ) -> None:
         self.world, self._cast, self._materials = world, cast, materials
         self.herd = herd = build_herd(cast, world.moods)
@@ -107,6 +113,9 @@ class WalkerTroupe(Troupe):
         contacts = FootContacts(herd, world, self.authored_poses, materials)
         self.sequencer = StepSequencer.of(world, self.progress, swings, contacts)
         self.leaps = WalkerJumps(cast, world, self.progress, self.sequencer, materials, self._apply)
+        self.dances = WalkerDances(
+            cast, world, self.progress, self.sequencer.feet, free_joints, guide
+        )
         self._order_notes: list[TakeNote] = []
         self._pose_notes: list[TakeNote] = []
         self._arrived: list[str] = []
@@ -152,9 +161,9 @@ class WalkerTroupe(Troupe):
             if any(chooses_speed(order) for order in given):
                 self.pursuits.keep_speed(c)
             for order in given:
-                if self.leaps.take(c, order):
-                    continue
-                self._apply(c, order)
+                on_feet = self.dances.take(c, order)
+                if not self.leaps.take(c, on_feet):
+                    self._apply(c, on_feet)
         self.pursuits.advance()
 
     def _apply(self, c: int, order: Do) -> None:
@@ -177,8 +186,10 @@ class WalkerTroupe(Troupe):
         arrived = self._advance_on_routes()
         take_steps(sequencer, step, phase_before)
         self.leaps.advance(step)
-        self._arrived = [name for name in arrived if not self.leaps.is_coming(name)]
-        self._arrived += self.leaps.arrived
+        self.dances.advance(step)
+        before = self.leaps, self.dances
+        self._arrived = [name for name in arrived if not any(x.is_coming(name) for x in before)]
+        self._arrived += [*self.leaps.arrived, *self.dances.arrived]
         self._arrived += [self.herd.names[c] for c in self.pursuits.arrived]
         self._notes = [*self._order_notes, *sequencer.notes, *self.leaps.notes]
         self._order_notes = []
@@ -190,6 +201,7 @@ class WalkerTroupe(Troupe):
             c = self.herd.names.index(instruction.who)
             self.progress.moods.neutral_pace(c, instruction.do, f"{path}.do")
         self.leaps.prepare(instruction, path)
+        self.dances.prepare(instruction, path)
 
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""
@@ -197,6 +209,7 @@ class WalkerTroupe(Troupe):
 
     def _snapshot(self) -> HerdSnapshot:
         progress, trajectory = self.progress, self.progress.trajectory
+        now = self.step * self.world.clock.dt
         return HerdSnapshot(
             self.step,
             progress.sample,
@@ -206,8 +219,9 @@ class WalkerTroupe(Troupe):
             trajectory.style,
             trajectory.route_set,
             self.leaps.routes(),
-            progress.look_targets.current,
-            self.leaps.aloft(self.step * self.world.clock.dt),
+            self.dances.gazes(progress.look_targets.current),
+            self.leaps.aloft(now),
+            self.dances.bodies(now),
         )
 
     def write(self, rows: Rows) -> None:
@@ -230,12 +244,12 @@ class WalkerTroupe(Troupe):
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
-        contacts = *self.sequencer.contacts.contacts, *self.leaps.contacts
+        contacts = [*self.sequencer.contacts.contacts, *self.leaps.contacts, *self.dances.contacts]
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
-        outcomes = (*self.pursuits.outcomes, *self.leaps.outcomes)
+        outcomes = (*self.pursuits.outcomes, *self.leaps.outcomes, *self.dances.outcomes)
         touched = tuple(self.pursuits.touched)
-        return Facts(contacts, notes, tuple(self._arrived), touched, outcomes=outcomes)
+        return Facts(tuple(contacts), notes, tuple(self._arrived), touched, outcomes=outcomes)
 
     def foreseen_notes(self) -> list[TakeNote]:
         """Return notes on the pose keys that creatures miss which stay where they stand.

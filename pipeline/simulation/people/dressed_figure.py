@@ -43,7 +43,7 @@ LEAST_HEAD = 0.10
 
 
 @dataclass(frozen=True, eq=False)
-class _Bones:
+class PersonBones:
     """The figure's bones as a person's.
 
     Attributes:
@@ -59,7 +59,7 @@ class _Bones:
     places: Array
 
 
-_BONES: WeakKeyDictionary[Figure, _Bones] = WeakKeyDictionary()
+_BONES: WeakKeyDictionary[Figure, PersonBones] = WeakKeyDictionary()
 _LAYERS: WeakKeyDictionary[Figure, dict[Clothes, tuple[MaterialLayer, ...]]] = WeakKeyDictionary()
 
 
@@ -96,13 +96,13 @@ def figure_layers(figure: Figure, clothes: Clothes) -> tuple[MaterialLayer, ...]
     """
     known = _LAYERS.setdefault(figure, {})
     if clothes not in known:
-        bones = _bones_of(figure)
+        bones = person_bones(figure)
         layers = person_layers(bones.proportions, clothes)
         known[clothes] = tuple(_on_links(layer, bones) for layer in layers)
     return known[clothes]
 
 
-def _on_links(layer: MaterialLayer, bones: _Bones) -> MaterialLayer:
+def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
     mesh = layer.mesh
     rest = frame_origins(bones.proportions)
     offset = mesh.vertices[:, None, :].astype(float) - rest[mesh.nodes]
@@ -135,13 +135,14 @@ def _on_links(layer: MaterialLayer, bones: _Bones) -> MaterialLayer:
     return replace(layer, mesh=moved)
 
 
-def _bones_of(figure: Figure) -> _Bones:
+def person_bones(figure: Figure) -> PersonBones:
+    """Return the bones of a figure that `check_person` accepts, as a person's."""
     if figure not in _BONES:
         _BONES[figure] = _measured(figure)
     return _BONES[figure]
 
 
-def _measured(figure: Figure) -> _Bones:
+def _measured(figure: Figure) -> PersonBones:
     """Return the bones of a figure that `check_person` accepts."""
     joints = {
         (kind, side): _joints(figure, _limb(figure, kind, side))
@@ -170,7 +171,7 @@ def _measured(figure: Figure) -> _Bones:
                 turns[frame] = preferred[figure.skeleton.links[links[frame]].joint, :3, :3].T
             else:
                 turns[frame] = _hanging(points[k + 1] - points[k])
-    return _Bones(proportions, links, turns, places)
+    return PersonBones(proportions, links, turns, places)
 
 
 def _proportions(leg: Array, arm: Array, hips: Array, neck: Link, sole: Array) -> Proportions:

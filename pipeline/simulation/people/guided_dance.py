@@ -1,20 +1,21 @@
 """Guided dance: what moves trunk and arms of a person that dances, for rooms of standing people.
 
-The room of the dancers makes it, and the room of the characters carries it on a body of its own;
-neither imports the other.
+The room of the dancers makes it; the rooms of characters and walkers carry it on bodies of their
+own. None imports another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from pipeline.simulation.people.proportions import JOINTS, SEGMENT_MASSES, Proportions
 from pipeline.simulation.people.wardrobe import Clothes
+from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
-from pipeline.spec.script import Perform
+from pipeline.spec.script import Instruction, Perform
 
 GUIDED_JOINTS = JOINTS[JOINTS.index("spine") : JOINTS.index("hand_r") + 1]
 """The joints of trunk and arms, without the pelvis, in the order of `JOINTS`."""
@@ -93,6 +94,58 @@ class DanceGuide(Protocol):
 
     def begin(self, order: Perform) -> GuidedDance:
         """Return a dance that was prepared, at its start."""
+
+
+GuideMaker = Callable[[str, Proportions], DanceGuide]
+"""Makes the dances of a person from its name and proportions."""
+
+
+class DanceGuides:
+    """The dances of all people of a room that are told to dance.
+
+    Args:
+        people: proportions of those that can dance, by name.
+        make: makes the dances of one of them; None if nobody can dance.
+
+    Attributes:
+        guides: by the name of the person.
+    """
+
+    def __init__(self, people: Mapping[str, Proportions], make: GuideMaker | None) -> None:
+        self.guides: dict[str, DanceGuide] = {}
+        self._people, self._make = people, make
+
+    def prepare_all(self, instructions: Sequence[tuple[str, Instruction]]) -> None:
+        """Let people learn the dances of all instructions.
+
+        Args:
+            instructions: of the scene, with their paths in it.
+
+        Raises:
+            SceneError: somebody cannot dance what the script says; holds the problems of all.
+        """
+        refusals = Refusals()
+        for path, instruction in instructions:
+            with refusals.gathered():
+                self.prepare(instruction, path)
+        refusals.refuse()
+
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Let a person learn the dance of an instruction.
+
+        Args:
+            instruction: to any performer.
+            path: its path in error messages.
+
+        Raises:
+            SceneError: the person cannot dance it.
+        """
+        name, do = instruction.who, instruction.do
+        if name not in self._people or not isinstance(do, Perform) or self._make is None:
+            return
+        if name not in self.guides:
+            self.guides[name] = self._make(name, self._people[name])
+        self.guides[name].prepare(do.dance, f"{path}.do.dance")
 
 
 def strike_contact(

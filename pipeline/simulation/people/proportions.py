@@ -158,6 +158,9 @@ SEGMENT_MASSES = {
 Source: Winter 2009, table 4.1.
 """
 
+PALM_FRACTION = 0.45
+"""Place of the centre of the palm, as a fraction of the distance from wrist to fingertips."""
+
 GIRTH_FACTORS = {"slim": 0.93, "medium": 1.0, "sturdy": 1.09}
 """Girths by stature."""
 

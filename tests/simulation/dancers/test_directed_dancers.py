@@ -356,7 +356,8 @@ def test_script_and_pose_round_trip() -> None:
 
 
 def test_dance_order_needs_dancer() -> None:
-    with pytest.raises(SceneError, match="is a creature that walks, for which dance is no order"):
+    message = "'a' is a beetle, and dances are for the trunk and arms of a person"
+    with pytest.raises(SceneError, match=message):
         read_scene(
             "pronk: 1\nduration: 1\ncast: [{figure: beetle, name: a, walk: {}}]\n"
             "script: [{at: 0.5, who: a, do: dance}]\n"

@@ -24,7 +24,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
-from pipeline.simulation.locomotion.foot_state import place_foot, present_lowering
+from pipeline.simulation.locomotion.foot_state import place_foot
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.hurdle_approach import (
     plan_approach,
@@ -51,6 +51,7 @@ from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, 
 from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping.setting_out import phase_before_lift
+from pipeline.simulation.locomotion.stepping.standing import is_standing, standing_pose
 from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
 from pipeline.simulation.locomotion.stepping.taking_steps import is_astray
 from pipeline.simulation.order_outcome import Outcome
@@ -270,25 +271,20 @@ class WalkerJumps:
             if trip.stage == "coming" and trip.is_ready:
                 self._start_jump(c, trip, time)
             elif trip.stage == "coming":
-                trip.is_ready = self._is_resting(c)
+                trip.is_ready = self._is_standing(c)
             elif trip.stage == "leaping":
                 self._advance_jump(step, c, trip, time)
-            elif time - trip.stage_start >= HANDOVER_TIME and self._is_resting(c):
+            elif time - trip.stage_start >= HANDOVER_TIME and is_standing(
+                self.progress, self.feet, c
+            ):
                 self._resume_walking(c, trip)
 
     def is_coming(self, name: str) -> bool:
         """Return whether a creature rests only in order to jump."""
         return self.herd.names.index(name) in self.trips
 
-    def _is_resting(self, c: int) -> bool:
-        """Return whether a creature stands at the end of its route, on closed feet."""
-        progress, own = self.progress, self.herd.owner == c
-        if not progress.arrived[c]:
-            return False
-        closed = progress.halted[c] or progress.phase[c] >= progress.closing_phase[c]
-        return bool(
-            closed and not self.feet.swinging[own].any() and progress.smoothed_fraction[c] == 0.0
-        )
+    def _is_standing(self, c: int) -> bool:
+        return is_standing(self.progress, self.feet, c)
 
     def _start_jump(self, c: int, trip: WalkerJump, time: float) -> None:
         """Hand a standing creature over to its jump."""
@@ -297,7 +293,7 @@ class WalkerJumps:
             self.outcomes.append(Outcome(hopper.name, trip.order, "its way to the jump is barred"))
             del self.trips[c]
             return
-        R, p = self._standing_pose(c)
+        R, p = standing_pose(self.progress, self.feet, c)
         state = standing_state(hopper, R, p, self.feet.end[own], time)
         state.queue.orders = [self._jump_order(hopper, trip.order)]
         state.phase_end = time + STANDING_TIME
@@ -324,15 +320,6 @@ class WalkerJumps:
                 order.hop_over, self._members[order.hop_over].solids, can_approach=False
             )
         return jump_once(hopper, order.jump)
-
-    def _standing_pose(self, c: int) -> tuple[Array, Array]:
-        """Return the body pose (3, 3), (3,) of a creature at the end of its route [m]."""
-        progress = self.progress
-        place = np.array([c]), progress.distance[c : c + 1], progress.phase[c : c + 1]
-        R, p = progress.trajectory.pose(*place, progress.smoothed_fraction[c : c + 1])
-        low = present_lowering(self.feet, progress.phase[self.herd.owner])
-        lowering = (low[self.herd.owner == c] ** 4).sum() ** 0.25
-        return R[0], p[0] - [0.0, lowering, 0.0]
 
     def _advance_jump(self, step: int, c: int, trip: WalkerJump, time: float) -> None:
         simulation = trip.simulation

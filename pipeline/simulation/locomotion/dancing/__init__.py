@@ -1,0 +1,1 @@
+"""Dances of walking persons: orders, joint values of the arms, and the trunk."""

@@ -148,7 +148,7 @@ def test_find_scene_takes_a_path_a_name_here_and_a_shipped_name(folder, monkeypa
     ("name", "message"),
     [
         ("plya", "no scene is called 'plya', neither in this folder nor among the shipped; did "
-         "you mean 'play'? `pronk list scenes` has all 53"),
+         "you mean 'play'? `pronk list scenes` has all 54"),
         ("./plya.yaml", "'./plya.yaml' is no file in {here}, did you mean 'play.yaml'?"),
         ("sub/plya.yaml", "'sub/plya.yaml' is no file in {here}/sub, which holds no YAML files"),
         ("bus/plya.yaml", "'bus/plya.yaml' is no file: there is no folder {here}/bus"),

@@ -83,7 +83,7 @@ def test_a_person_who_walks_into_a_pit_is_noted(scene_of: SceneOf) -> None:
         "{name: kid, character: child}",
         "{name: ann, character: child, at: [-3, 1]}",
         terrain=stones,
-        duration=2.5,
+        duration=3.5,
         more="script: [{at: 0, who: kid, do: {go_to: [3, 0]}}, "
         "{at: 0, who: ann, do: {go_to: [-1, 1]}}]",
     )

@@ -126,7 +126,7 @@ DANCES = ("drummer", "clapping", "macarena")
 """Scenes whose events are meant on beats."""
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [24, 25, 30, 60, "24000/1001", "30000/1001"])
 @pytest.mark.parametrize("name", DANCES)

@@ -9,7 +9,7 @@ their feet would strike the legs of those ahead. Others are visited in order alo
 crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
-planes in section 4, linear programs in section 5.
+planes in section 4.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
-from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
+from pipeline.simulation.characters.half_planes import allowed_velocity
+from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
-from pipeline.simulation.characters.person_record import SITTING, SWINGING
+from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
     keep_together,
@@ -39,31 +40,22 @@ HORIZON = 3.0  # within which nobody is met [s]
 SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
-PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
 COMPANION_SPACE = 0.4  # of those who walk together
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
 SQUEEZING = 0.007  # change of that in a step
-WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
-WAY_SPEED = 0.6  # at which they do [m/s]
-RETURN_SPEED = 0.3  # back to where they stood [m/s]
-AT_POST, FAR_FROM_POST = 0.08, 2.0  # distances from there: back again; driven off for good [m]
-LEAST_SIDESTEP = 1e-3  # that is none [m/s]
 THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
 QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
-SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
-
-PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
 
 
 def is_in_throng(person: Record) -> bool:
@@ -95,7 +87,7 @@ def avoid_people(persons: Records) -> None:
         person = persons[order[n]]
         if not person.has_goal:
             person.detour, person.impatience = 0.0, -PATIENCE
-            _make_way(persons, order, n)
+            make_way(persons, order, n)
             continue
         person.gave_way = False
         count = _find_nearest(persons, order, n, nearest)
@@ -114,7 +106,7 @@ def avoid_people(persons: Records) -> None:
             _forbid(person, other, tight, 0.0, x, z, lines[k])
             _forbid(person, other, own_space, 1.0 - squeeze, x, z, lines[count + k])
         if count > 0:
-            x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
+            x, z = allowed_velocity(lines, projected, count, QUICKEST * person.pace, x, z)
             if in_crowd:
                 share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
@@ -151,82 +143,6 @@ def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
     gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
     change = SQUEEZING if gain < SLOW * speed else -SQUEEZING
     person.impatience = min(max(person.impatience + change, -PATIENCE), 1.0)
-
-
-@compiled
-def _make_way(persons: Records, order: Numbers, n: int) -> None:
-    """Let a standing person with nothing to do step aside for those who squeeze through.
-
-    When they have passed, it goes back to where it stood, as soon as that is free.
-    """
-    person = persons[order[n]]
-    x, z = 0.0, 0.0
-    if _is_idle(person):
-        x, z = _way_asked(persons, order, n)
-        if x != 0.0 or z != 0.0:
-            if not person.gave_way:
-                person.gave_way = True
-                person.post[0], person.post[1] = person.at[0], person.at[1]
-        elif person.gave_way:
-            x, z = _way_back(persons, order, n)
-    else:
-        person.gave_way = False
-    person.sidestep[0] += SMOOTHING * (x - person.sidestep[0])
-    person.sidestep[1] += SMOOTHING * (z - person.sidestep[1])
-    if math.hypot(person.sidestep[0], person.sidestep[1]) < LEAST_SIDESTEP:
-        person.sidestep[0], person.sidestep[1] = 0.0, 0.0
-
-
-@inlined
-def _is_idle(person: Record) -> bool:
-    """Tell whether a person without a goal stands about with nothing to do."""
-    free = person.partner == NOBODY and not person.has_facing and person.kick_foot < 0
-    swings = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
-    result: bool = free and swings and person.posture != SITTING
-    return result
-
-
-@compiled
-def _way_asked(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
-    """Return the velocity at which a person makes way for those who squeeze through [m/s]."""
-    person = persons[order[n]]
-    x, z = 0.0, 0.0
-    for direction in (-1, 1):
-        m = n + direction
-        while 0 <= m < len(order):
-            other = persons[order[m]]
-            dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
-            if abs(dx) > WAY_RANGE:
-                break
-            if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
-                gx, gz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
-                far = max(math.hypot(gx, gz), 1e-9)
-                ahead, aside = (gx * dx + gz * dz) / far, (gx * dz - gz * dx) / far
-                if 0.0 < ahead < WAY_RANGE and abs(aside) < WAY_WIDTH:
-                    step = other.impatience * (1.0 - abs(aside) / WAY_WIDTH)
-                    step *= 1.0 if aside > 0.0 else -1.0
-                    x -= step * gz / far
-                    z += step * gx / far
-            m += direction
-    return WAY_SPEED * x, WAY_SPEED * z
-
-
-@compiled
-def _way_back(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
-    """Return the velocity at which a person goes back to its post, or end that [m/s]."""
-    person = persons[order[n]]
-    x, z = person.post[0] - person.at[0], person.post[1] - person.at[1]
-    left = math.hypot(x, z)
-    person.gave_way = AT_POST < left < FAR_FROM_POST
-    if not person.gave_way:
-        return 0.0, 0.0
-    for k in range(len(order)):
-        other = persons[order[k]]
-        room = 0.5 * PERSONAL_SPACE * (person.height + other.height)
-        off = math.hypot(person.post[0] - other.at[0], person.post[1] - other.at[1])
-        if k != n and off < room:
-            return 0.0, 0.0
-    return RETURN_SPEED * x / left, RETURN_SPEED * z / left
 
 
 @compiled
@@ -334,144 +250,3 @@ def _forbid(
         ux, uz = more * wx, more * wz
     line[0], line[1] = own_x + share * ux, own_z + share * uz
     line[2], line[3] = dx, dz
-
-
-@inlined
-def _excess(line: Array, x: float, z: float) -> float:
-    """Return how far a velocity lies on the forbidden side of a line [m/s]."""
-    result: float = line[2] * (line[1] - z) - line[3] * (line[0] - x)
-    return result
-
-
-@compiled
-def _allowed(
-    lines: Array, projected: Array, count: int, limit: float, x: float, z: float
-) -> tuple[float, float]:
-    """Return the velocity nearest to a wanted one that all lines allow, or that offends least.
-
-    Args:
-        lines: of velocities, `count` that keep clear of bodies, then those of personal space.
-        projected: room for as many.
-        count: number of people.
-        limit: greatest speed.
-        x: of the wanted velocity.
-        z: of the wanted velocity.
-    """
-    failed, x, z = _nearest_velocity(lines, 2 * count, limit, x, z, False)
-    if failed < count:
-        return _least_offence(lines, projected, 0, failed, count, limit, x, z)
-    return _least_offence(lines, projected, count, failed, 2 * count, limit, x, z)
-
-
-@compiled
-def _least_offence(
-    lines: Array,
-    projected: Array,
-    hard: int,
-    failed: int,
-    count: int,
-    limit: float,
-    x: float,
-    z: float,
-) -> tuple[float, float]:
-    """Return the velocity that keeps the first lines, and offends least against the others.
-
-    Args:
-        lines: of velocities, the first `count` rows.
-        projected: room for as many.
-        hard: number of lines that are kept.
-        failed: the first line that cannot be.
-        count: number of lines.
-        limit: greatest speed.
-        x: of the velocity found before.
-        z: of the same.
-    """
-    worst = 0.0
-    for i in range(failed, count):
-        if _excess(lines[i], x, z) <= worst:
-            continue
-        # Among the velocities equally far beyond this line and each one before.
-        n = hard
-        for j in range(hard):
-            projected[j] = lines[j]
-        for j in range(hard, i):
-            sine = lines[i, 2] * lines[j, 3] - lines[i, 3] * lines[j, 2]
-            if abs(sine) <= PARALLEL:
-                if lines[i, 2] * lines[j, 2] + lines[i, 3] * lines[j, 3] > 0.0:
-                    continue
-                projected[n, 0] = 0.5 * (lines[i, 0] + lines[j, 0])
-                projected[n, 1] = 0.5 * (lines[i, 1] + lines[j, 1])
-            else:
-                t = -_excess(lines[j], lines[i, 0], lines[i, 1]) / sine
-                projected[n, 0] = lines[i, 0] + t * lines[i, 2]
-                projected[n, 1] = lines[i, 1] + t * lines[i, 3]
-            dx, dz = lines[j, 2] - lines[i, 2], lines[j, 3] - lines[i, 3]
-            size = max(math.hypot(dx, dz), 1e-12)
-            projected[n, 2], projected[n, 3] = dx / size, dz / size
-            n += 1
-        done, new_x, new_z = _nearest_velocity(projected, n, limit, -lines[i, 3], lines[i, 2], True)
-        if done == n:
-            x, z = new_x, new_z
-        worst = _excess(lines[i], x, z)
-    return x, z
-
-
-@compiled
-def _nearest_velocity(
-    lines: Array, count: int, limit: float, x: float, z: float, farthest: bool
-) -> tuple[int, float, float]:
-    """Return the first line that cannot be kept, or `count`, and the velocity found so far.
-
-    Args:
-        lines: of velocities, the first `count` rows.
-        count: number of lines.
-        limit: greatest speed.
-        x: of the wanted velocity, or of a direction.
-        z: of the same.
-        farthest: whether the velocity farthest in a direction is wanted.
-    """
-    goal_x, goal_z = x, z
-    size = math.hypot(x, z)
-    if farthest:
-        x, z = limit * x, limit * z
-    elif size > limit:
-        x, z = x * limit / size, z * limit / size
-    for i in range(count):
-        if _excess(lines[i], x, z) > 0.0:
-            found, new_x, new_z = _on_line(lines, i, limit, goal_x, goal_z, farthest)
-            if not found:
-                return i, x, z
-            x, z = new_x, new_z
-    return count, x, z
-
-
-@compiled
-def _on_line(
-    lines: Array, i: int, limit: float, x: float, z: float, farthest: bool
-) -> tuple[bool, float, float]:
-    """Return whether a velocity on a line keeps all lines before it, and the best of them."""
-    px, pz, dx, dz = lines[i, 0], lines[i, 1], lines[i, 2], lines[i, 3]
-    middle = px * dx + pz * dz
-    square = middle * middle + limit * limit - px * px - pz * pz
-    if square < 0.0:
-        return False, 0.0, 0.0
-    low, high = -middle - math.sqrt(square), -middle + math.sqrt(square)
-    for j in range(i):
-        sine = dx * lines[j, 3] - dz * lines[j, 2]
-        excess = _excess(lines[j], px, pz)
-        if abs(sine) <= PARALLEL:
-            if excess > 0.0:
-                return False, 0.0, 0.0
-            continue
-        t = -excess / sine
-        if sine >= 0.0:
-            high = min(high, t)
-        else:
-            low = max(low, t)
-        if low > high:
-            return False, 0.0, 0.0
-    if farthest:
-        t = high if x * dx + z * dz > 0.0 else low
-    else:
-        t = min(max(dx * (x - px) + dz * (z - pz), low), high)
-    return True, px + t * dx, pz + t * dz

@@ -101,6 +101,7 @@ def test_hair_does_not_reach_into_the_ground() -> None:
         assert low > -0.02
 
 
+@pytest.mark.nightly
 def test_what_is_far_away_has_fewer_and_wider_strands_and_at_last_none() -> None:
     near, far, speck = (strands("kangaroo", 1, away) for away in (4.0, 20.0, 400.0))
     assert 3 * MOST_STRANDS >= triangles(near) > 1.5 * triangles(far) > 0

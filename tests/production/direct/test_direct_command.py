@@ -44,6 +44,7 @@ def _ended(folder: Path, run: subprocess.Popen[bytes], text: bytes = b"") -> tup
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_standard_output_has_only_messages(folder: Path) -> None:
     text = b"\n".join([b"nonsense", request("step", 1, frames=3), request("end", 2)])
     code, out, err = _ended(folder, _started(folder, "--name", "other", "-v"), text)

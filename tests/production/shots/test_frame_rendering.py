@@ -74,7 +74,7 @@ def test_a_new_take_leaves_no_cues_of_the_one_before(studio: Studio) -> None:
         pytest.param(
             "camera.distance=9", {*ALL, "tiny.mid", "tiny.wav", *FILM}, marks=pytest.mark.nightly
         ),
-        ("materials.ground.color='#804020'", {*ALL, *FILM}),
+        pytest.param("materials.ground.color='#804020'", {*ALL, *FILM}, marks=pytest.mark.nightly),
         pytest.param("light.preset=noon", {*ALL, *FILM}, marks=SLOW),
         pytest.param("film.exposure=1", {*ALL, *FILM}, marks=SLOW),
     ],

@@ -54,6 +54,7 @@ def test_credits_roll_at_the_end_with_the_cast() -> None:
     assert words.text.split("\n") == ["Dawn", "", "with", "ann", "bob"]
 
 
+@pytest.mark.nightly
 def test_frames_have_the_words_of_their_time_and_their_own_digest() -> None:
     with_title = scene_with("{preset: title, start: 1, duration: 1}")
     plain = with_title.model_copy(update={"titles": ()})

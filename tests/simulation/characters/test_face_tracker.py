@@ -162,6 +162,7 @@ OTHERS = (
         pytest.param(OTHERS[1], {"eve", "cy", "dan"}, marks=pytest.mark.nightly),
     ],
 )
+@pytest.mark.nightly
 def test_walking_persons_limp_people_and_dancers_blink(other: str, faced: set[str]) -> None:
     take = run_scene(WALKERS + other, 6.0).take()
     assert {face.performer for face in take.faces} == faced

@@ -179,6 +179,7 @@ def test_a_touch_trigger_waits_for_a_rigid_ball() -> None:
     assert pelvis[-1, 2] == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.nightly
 def test_a_horse_pushes_people_out_of_its_way() -> None:
     simulation = run_scene(
         "- {name: doll, character: adult, limp: true, at: [1.8, 0], rotation_deg: [0, 90, 0]}\n"

@@ -271,6 +271,7 @@ def test_a_grabbed_body_is_handed_over_and_thrown() -> None:
     assert np.linalg.norm(thrown.velocity) < 10.0
 
 
+@pytest.mark.nightly
 def test_a_child_takes_a_wide_ball_with_both_hands_and_throws_it() -> None:
     took, threw = course().arrived["dan"]
     assert took < 4.0

@@ -34,7 +34,7 @@ def macarena(by: str, tempo: float) -> DanceRecording:
     return record_motion(config, 1.0 + 13.0 * 60.0 / tempo)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("by", "tempo"), CASES)
 def test_every_goal_is_reached_without_penetration(by: str, tempo: float) -> None:
     motion = macarena(by, tempo)
@@ -123,6 +123,7 @@ def test_torques_speeds_and_angles_are_bounded(by: str) -> None:
         assert q[:, k].max() < hinge.upper + 0.06
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("by", CONTROLLERS)
 def test_mechanical_energy_is_bounded(by: str) -> None:
@@ -139,6 +140,7 @@ def test_mechanical_energy_is_bounded(by: str) -> None:
     assert np.ptp(potential) < 53.0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("by", CONTROLLERS)
 def test_contact_times_do_not_depend_on_step(by: str) -> None:

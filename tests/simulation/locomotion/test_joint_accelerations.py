@@ -69,7 +69,7 @@ def test_leg_joint_accelerations_are_bounded(
     assert found > 0.4 * MOST[figure]
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", MOST)
 def test_joint_speeds_are_continuous(figure: str, walk_through: Callable[..., object]) -> None:

@@ -1,0 +1,98 @@
+"""Making way: standing people step aside for those who squeeze through, and go back after it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.person_record import SITTING, SWINGING
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+
+Numbers = NDArray[np.int64]
+
+WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
+WAY_SPEED = 0.6  # at which they do [m/s]
+RETURN_SPEED = 0.3  # back to where they stood [m/s]
+AT_POST, FAR_FROM_POST = 0.08, 2.0  # distances from there: back again; driven off for good [m]
+LEAST_SIDESTEP = 1e-3  # that is none [m/s]
+PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
+SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
+
+
+@compiled
+def make_way(persons: Records, order: Numbers, n: int) -> None:
+    """Let a standing person with nothing to do step aside for those who squeeze through.
+
+    When they have passed, it goes back to where it stood, as soon as that is free.
+    """
+    person = persons[order[n]]
+    x, z = 0.0, 0.0
+    if _is_idle(person):
+        x, z = _way_asked(persons, order, n)
+        if x != 0.0 or z != 0.0:
+            if not person.gave_way:
+                person.gave_way = True
+                person.post[0], person.post[1] = person.at[0], person.at[1]
+        elif person.gave_way:
+            x, z = _way_back(persons, order, n)
+    else:
+        person.gave_way = False
+    person.sidestep[0] += SMOOTHING * (x - person.sidestep[0])
+    person.sidestep[1] += SMOOTHING * (z - person.sidestep[1])
+    if math.hypot(person.sidestep[0], person.sidestep[1]) < LEAST_SIDESTEP:
+        person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+
+
+@inlined
+def _is_idle(person: Record) -> bool:
+    """Tell whether a person without a goal stands about with nothing to do."""
+    free = person.partner == NOBODY and not person.has_facing and person.kick_foot < 0
+    swings = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
+    result: bool = free and swings and person.posture != SITTING
+    return result
+
+
+@compiled
+def _way_asked(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+    """Return the velocity at which a person makes way for those who squeeze through [m/s]."""
+    person = persons[order[n]]
+    x, z = 0.0, 0.0
+    for direction in (-1, 1):
+        m = n + direction
+        while 0 <= m < len(order):
+            other = persons[order[m]]
+            dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
+            if abs(dx) > WAY_RANGE:
+                break
+            if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
+                gx, gz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+                far = max(math.hypot(gx, gz), 1e-9)
+                ahead, aside = (gx * dx + gz * dz) / far, (gx * dz - gz * dx) / far
+                if 0.0 < ahead < WAY_RANGE and abs(aside) < WAY_WIDTH:
+                    step = other.impatience * (1.0 - abs(aside) / WAY_WIDTH)
+                    step *= 1.0 if aside > 0.0 else -1.0
+                    x -= step * gz / far
+                    z += step * gx / far
+            m += direction
+    return WAY_SPEED * x, WAY_SPEED * z
+
+
+@compiled
+def _way_back(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+    """Return the velocity at which a person goes back to its post, or end that [m/s]."""
+    person = persons[order[n]]
+    x, z = person.post[0] - person.at[0], person.post[1] - person.at[1]
+    left = math.hypot(x, z)
+    person.gave_way = AT_POST < left < FAR_FROM_POST
+    if not person.gave_way:
+        return 0.0, 0.0
+    for k in range(len(order)):
+        other = persons[order[k]]
+        room = 0.5 * PERSONAL_SPACE * (person.height + other.height)
+        off = math.hypot(person.post[0] - other.at[0], person.post[1] - other.at[1])
+        if k != n and off < room:
+            return 0.0, 0.0
+    return RETURN_SPEED * x / left, RETURN_SPEED * z / left

@@ -73,9 +73,9 @@ RAIN = Kind(
     8.0,
     0.0,
     (
-        Layer(0.9, 7.0, 0.6, (0.17, 0.6), 0.001, 8.0 * SEEN, 0.26),
-        Layer(7.0, 25.0, 2.0, (0.13, 0.9), 0.003, 0.5, 0.2),
-        Layer(25.0, 70.0, 7.0, (0.24, 2.0), 0.010, 1.3, 0.16),
+        Layer(0.9, 7.0, 0.6, (0.17, 0.6), 0.001, 8.0 * SEEN, 0.2),
+        Layer(7.0, 25.0, 2.0, (0.13, 0.9), 0.003, 0.5, 0.15),
+        Layer(25.0, 70.0, 7.0, (0.24, 2.0), 0.010, 1.3, 0.12),
     ),
 )
 SNOW = Kind(
@@ -125,7 +125,7 @@ class Precipitation:
             time: since the film began [s].
         """
         # Drops show the bright sky behind and above; flakes are white spheres.
-        rain = 1.9 * ambient + 0.03 * key
+        rain = 1.6 * ambient + 0.03 * key
         snow = 1.8 * ambient + key / (4 * math.pi)
         made = Precipitation(
             mi.Float(weather.rain),

@@ -18,7 +18,7 @@ from pipeline.spec import load_scene
 from pipeline.spec.scene_library import SUFFIX, library
 from tests.audio.conftest import is_on_scale
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 BAR = 36
 """Frames of two beats at 80 a minute."""

@@ -109,6 +109,7 @@ def test_ctrl_c_ends_a_farm(film: Studio, tmp_path: Path, start: Callable[..., R
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_help_and_local_farms_load_no_ray() -> None:
     script = (
         "import sys; sys.argv = ['pronk', 'farm', 'render', '--help']\n"

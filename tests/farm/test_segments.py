@@ -23,6 +23,8 @@ from tests.farm.conftest import Farmed
 from tests.production.conftest import FRAMES, Studio
 from tests.production.killed_runs import contents_of
 
+pytestmark = pytest.mark.nightly
+
 Pronk = Callable[..., tuple[int, str, str]]
 
 SEGMENTS = [(1, 2, 3), (4, 5, 6), (7, 8)]

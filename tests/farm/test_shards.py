@@ -25,6 +25,8 @@ from tests.farm.conftest import Farmed
 from tests.production.conftest import FRAMES, Studio
 from tests.production.killed_runs import contents_of
 
+pytestmark = pytest.mark.nightly
+
 Pronk = Callable[..., tuple[int, str, str]]
 
 

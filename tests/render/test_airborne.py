@@ -7,11 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
+from pipeline.production.shots.ground_weather import (
+    frosted,
+    ground_in_weather,
+    snowed_cover,
+    wetted,
+)
 from pipeline.production.surroundings.land_cover import SNOW
 from render.backend import Backend
 from render.color import linear, luminance
-from render.config import MATERIALS, Weather, light
+from render.config import MATERIALS, Material, Weather, light
 from render.frame import LightLayers
 from render.lights.haze import haze_of, haze_strength, sun_glow
 from render.shot import CameraPose, Lens, Mesh
@@ -196,3 +201,21 @@ def test_haze_glows_before_a_low_sun_and_not_before_a_high_one() -> None:
     assert low[16] > 10.0 * low[48] > 0.0
     np.testing.assert_allclose(glow(40.0), 0.0)
     assert 0.0 < glow(20.0)[16] < 0.5 * low[16]
+
+
+def test_what_is_out_in_the_rain_gets_a_film_of_water_and_darker_the_rougher_it_is() -> None:
+    shell, cloth = (
+        Material.model_validate({"color": "#408040", "color2": "#204020", "roughness": rough})
+        for rough in (0.3, 0.9)
+    )
+    wet = [wetted(one, Weather(rain=1.0)) for one in (shell, cloth)]
+    assert wet[0].clearcoat > 0.7 > 0.2 > wet[1].clearcoat
+    for dry, one in zip((shell, cloth), wet, strict=True):
+        assert one.roughness < dry.roughness
+        assert one.color[1] < dry.color[1]
+        assert one.color2 is not None
+    darker = [one.color[1] / dry.color[1] for dry, one in zip((shell, cloth), wet, strict=True)]
+    assert darker[1] < 0.8 < darker[0]
+    assert wetted(shell, Weather(snow=1.0)) is shell
+    leaf = Material.model_validate({"color": "#408040", "roughness": 0.9, "translucency": 0.4})
+    assert wetted(leaf, Weather(rain=1.0)) is leaf

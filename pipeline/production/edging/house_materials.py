@@ -21,15 +21,15 @@ PANE = Material.model_validate({"color": "#1d282d", "roughness": 0.08})
 LANTERN_GLASS = Material.model_validate({"color": "#cdbf9a", "roughness": 0.3})
 
 MATERIALS_OF_HOUSES: Mapping[str, Material] = {
-    "ochre": _plaster("#c08f52", "#ad7f47"),
-    "rose": _plaster("#b97a66", "#a86b59"),
-    "cream": _plaster("#d6c8ac", "#c8b899"),
-    "grey": _plaster("#a5a7a6", "#959796"),
-    "sage": _plaster("#8f9a83", "#808a74"),
-    "straw": _plaster("#d9be84", "#cbae74"),
-    "white": _plaster("#ded9cc", "#d0cabb"),
-    "brick": _plaster("#8f5c4b", "#7d4e40"),
-    "hewn stone": _plaster("#b3a78f", "#9c917c"),
+    "ochre": _plaster("#c08f52", "#b8894e"),
+    "rose": _plaster("#b97a66", "#b27461"),
+    "cream": _plaster("#d6c8ac", "#d0c2a4"),
+    "grey": _plaster("#a5a7a6", "#9fa1a0"),
+    "sage": _plaster("#8f9a83", "#89947d"),
+    "straw": _plaster("#d9be84", "#d3b87e"),
+    "white": _plaster("#ded9cc", "#d8d3c5"),
+    "brick": _plaster("#8f5c4b", "#885647"),
+    "hewn stone": _plaster("#b3a78f", "#aa9e87"),
     "tile red": _dull("#96523a"),
     "tile brown": _dull("#84483a"),
     "tile dark": _dull("#6d4034"),
@@ -45,7 +45,7 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "pane": PANE,
     # By day one does not see that somebody is at home.
     "lit pane": PANE,
-    "curtain": _dull("#cfc8b6", 0.9),
+    "curtain": Material.model_validate({"color": "#cfc8b6", "roughness": 0.9}),
     "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }

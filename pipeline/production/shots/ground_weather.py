@@ -1,6 +1,6 @@
-"""Ground weather: how rain and snow change the ground.
+"""Ground weather: how rain and snow change the ground, and rain whoever is out in it.
 
-Wet ground is darker, because water leads light into it, and glossier. Snow lies where it is level.
+What is wet is darker, because water leads light into it, and glossier. Snow lies where it is level.
 """
 
 from __future__ import annotations
@@ -24,6 +24,10 @@ SOAKED = 0.5
 """Rain from which natural ground is soaked."""
 FLOOR_SOAKED, WET_FLOOR_ROUGHNESS = 0.2, 0.2
 """Rain from which a floor is soaked, as nothing of it seeps away, and its roughness then."""
+
+WET_COAT, WET_SMOOTHNESS, WET_DARKNESS = 1.05, 0.35, 0.3
+"""Of what is soaked: weight of the film of water on what is smooth, share of the roughness that is
+gone, and by how much what is rough is darker."""
 
 _COVERED = 0.6
 """Snowfall at which all level ground is white."""
@@ -72,6 +76,25 @@ def ground_in_weather(material: Material, weather: Weather) -> Material:
                 "roughness": snow.roughness,
             }
     return material.model_copy(update=values) if values else material
+
+
+def wetted(material: Material, weather: Weather) -> Material:
+    """Return a material of what is out in the rain: a film of water lies on what is smooth.
+
+    What water leads light into is darker. Leaves, glass, and what glows stay as they are.
+    """
+    if weather.rain == 0.0 or material.translucency or material.transmission or material.glow:
+        return material
+    wet, rough = min(weather.rain / SOAKED, 1.0), material.roughness
+    share = 1.0 - WET_DARKNESS * wet * rough * (1.0 - material.metallic)
+    values: dict[str, Any] = {
+        "clearcoat": min(max(material.clearcoat, wet * (WET_COAT - rough)), 1.0),
+        "roughness": rough * (1.0 - WET_SMOOTHNESS * wet),
+        "color": tuple(share * c for c in material.color),
+    }
+    if material.color2 is not None:
+        values["color2"] = tuple(share * c for c in material.color2)
+    return material.model_copy(update=values)
 
 
 def snowed_cover(mesh: Mesh, weather: Weather) -> Mesh:

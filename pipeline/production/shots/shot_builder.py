@@ -36,7 +36,7 @@ from pipeline.production.shots.fractured_boulders import chipped, fractured
 from pipeline.production.shots.ground_mesh import (
     terrain_mesh,
 )
-from pipeline.production.shots.ground_weather import ground_in_weather
+from pipeline.production.shots.ground_weather import ground_in_weather, wetted
 from pipeline.production.shots.group_shapes import MATERIALS as GROUP_MATERIALS
 from pipeline.production.shots.group_shapes import drawn
 from pipeline.production.shots.laid_floor import floor_name, laid
@@ -320,8 +320,10 @@ def _materials(
     own = {**GROUP_MATERIALS, **scene.materials}
     made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
     dry, weather = made[take.terrain.material], scene.light.weather
-    for name in {take.terrain.material, around.material}:
-        made[name] = ground_in_weather(made[name], weather)
+    ground = {take.terrain.material, around.material}
+    for name, material in made.items():
+        change = ground_in_weather if name in ground else wetted
+        made[name] = change(material, weather)
     floor = laid(dry, outdoors=around.joins == "platform")
     # Deep snow hides the joints.
     if floor is not None and made[take.terrain.material].texture == dry.texture:

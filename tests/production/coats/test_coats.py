@@ -63,6 +63,7 @@ def triangles(meshes: Sequence[Mesh]) -> int:
         ("ostrich", FEATHERS),
     ],
 )
+@pytest.mark.sample(1)
 def test_animals_have_the_coat_of_their_material(figure: str, material: str) -> None:
     found = strands(figure)
     assert {mesh.material for mesh in found} == {material}
@@ -70,6 +71,7 @@ def test_animals_have_the_coat_of_their_material(figure: str, material: str) -> 
 
 
 @pytest.mark.parametrize("figure", ["beetle", "frog", "elephant"])
+@pytest.mark.sample(1)
 def test_shells_and_bare_skin_have_none(figure: str) -> None:
     assert strands(figure) == []
 

@@ -139,6 +139,7 @@ def test_a_chaotic_take_is_compared_up_to_its_horizon(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", ["energy", "space", "rest", "counts", "life"])
+@pytest.mark.nightly
 def test_a_chaotic_take_keeps_its_invariants(
     golden: MotionGolden, elsewhere: Take, fault: str
 ) -> None:

@@ -22,6 +22,8 @@ from pipeline.simulation.spatial import Array, rotation
 from pipeline.simulation.take_store import read_take, write_take
 from pipeline.spec import read_scene
 
+pytestmark = pytest.mark.nightly
+
 HEAD = "pronk: 1\nduration: {}\nterrain: {{kind: flat, size: [60, 60]}}\ncast:\n"
 CAST = """\
 - {name: stool, figure: tripod}

@@ -26,6 +26,8 @@ from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Scene, read_scene
 
+pytestmark = pytest.mark.nightly
+
 HEAD = "pronk: 1\nduration: 2\nterrain: {kind: flat, size: [60, 60]}\ncast:\n"
 CAST = """\
 - {name: bug, figure: beetle, at: [0, 5], walk: {gait: ripple, speed: 0.7}}

@@ -20,6 +20,8 @@ from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, read_scene
 
+pytestmark = pytest.mark.nightly
+
 HEAD = "pronk: 1\nduration: 9\nterrain: flat\ncast:\n"
 ROO = (
     "{name: roo, figure: kangaroo, pronk: {distance: 1.6, height: 0.8, crouch: 0.6, max_force: 6}}"

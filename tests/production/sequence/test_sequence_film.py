@@ -64,6 +64,7 @@ def test_joined_sounds_meet_at_full_level(tmp_path: Path) -> None:
         assert (file.getframerate(), file.getnframes()) == (48_000, 7920)
 
 
+@pytest.mark.nightly
 def test_a_sequence_renders_resumes_repairs_and_verifies(studio: Studio, pronk: Pronk) -> None:
     folder = studio.folder
     (folder / "two.yaml").write_text(SEQUENCE, encoding="utf-8")

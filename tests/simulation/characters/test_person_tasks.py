@@ -325,6 +325,7 @@ def test_crossing_walkers_step_aside() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["fight", pytest.param("square", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
 def test_limbs_stay_together_in_a_dense_crowd(name: str) -> None:
     """Feet of a runner reach 10 m/s; a foot moved at once would have 200."""
     simulation = Simulation(load_scene(library() / f"{name}.yaml"))

@@ -70,6 +70,7 @@ def test_batched_footholds_equal_those_of_single_searches(walkers: WalkerTroupe)
         assert (hold.lowering, hold.swing_height) == (alone.lowering, alone.swing_height)
 
 
+@pytest.mark.nightly
 def test_a_foothold_does_not_depend_on_other_lifting_feet(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
@@ -89,6 +90,7 @@ def assert_same(one: Foothold | None, other: Foothold | None) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.nightly), 1e-3])
+@pytest.mark.nightly
 def test_early_predictions_equal_late_ones(walkers: WalkerTroupe, off: float) -> None:
     early, requests = planner_of(walkers), requests_of(walkers)
     upcoming = [replace(r, distance=r.distance + off) for r in requests[1:]]

@@ -10,6 +10,8 @@ import pytest
 
 from pipeline.processor import HELD, RELATED, REQUIRED_FLAGS, class_name, processor_flags
 
+pytestmark = pytest.mark.nightly
+
 PRINT_CLASS = (
     "import pipeline; from pipeline.simulation.versions import processor_class; "
     "print(processor_class())"

@@ -45,6 +45,7 @@ def test_a_still_scene_looks_as_without_blur(renderer: Renderer, make_shot: Make
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_a_moving_body_is_visible_at_every_moment(renderer: Renderer, make_shot: Make) -> None:
     """A pixel with the body in one of two moments is half ground."""
     shot = exposed(make_shot, 2, 128)

@@ -55,6 +55,7 @@ def test_a_full_disk_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         allocate_rows((2**50, 2**4), np.uint8)
 
 
+@pytest.mark.nightly
 def test_a_take_on_disk_equals_the_take_in_memory(
     scene_of: Callable[..., Scene], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

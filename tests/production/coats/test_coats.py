@@ -19,6 +19,8 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import read_scene
 from render.shot import Mesh
 
+pytestmark = pytest.mark.nightly
+
 SCENE = """
 pronk: 1
 fps: 24

@@ -231,6 +231,7 @@ def test_what_grows_and_turns_is_of_sound_shapes() -> None:
     assert ((facing * basin.normals[basin.solid[:, 0]]).sum(axis=1) > -1e-9).all()
 
 
+@pytest.mark.nightly
 def test_houses_are_seen_have_windows_and_stand_where_they_shade_nobody() -> None:
     made = edging("houses", sun=(-0.6, 0.4, 0.69))
     assert made.plots

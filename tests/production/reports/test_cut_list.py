@@ -9,6 +9,8 @@ import yaml
 
 from render.config.camera import cuts
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.mark.nightly
 def test_the_cuts_of_a_director_can_stand_in_the_scene(studio, pronk) -> None:

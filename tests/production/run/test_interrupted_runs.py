@@ -41,6 +41,7 @@ def _wait_for(studio: Studio, wanted: Callable[[], bool], running: Running) -> N
 
 @pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
 def test_an_interrupted_run_can_be_resumed(
     film: Studio, tmp_path: Path, start: Start, jobs: int
 ) -> None:

@@ -16,6 +16,7 @@ from tests.simulation.characters.scripted_people import node_path, run_scene, tr
 
 @pytest.mark.slow
 @pytest.mark.parametrize("names", ["ab", pytest.param("ba", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
 def test_what_another_holds_is_handed_over(names: str) -> None:
     giver, taker = names[0], names[1]
     cast = {

@@ -124,6 +124,7 @@ def test_head_turns_to_moving_hand() -> None:
 @pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("by", ["force-field", "joint-torque"])
+@pytest.mark.nightly
 def test_gaze_follows_hands(by: str) -> None:
     dancer = build_dancer(f"controller: {by}, tempo_bpm: 80, start: 1.0")
     head, rows = LINKS.index("head"), list[tuple[float, ...]]()

@@ -12,6 +12,8 @@ from tests.simulation.dancers.dance_recorder import (
     record_motion,
 )
 
+pytestmark = pytest.mark.nightly
+
 CONTROLLERS = ("force-field", "joint-torque")
 
 # All twelve subtasks and some time after.

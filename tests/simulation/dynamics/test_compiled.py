@@ -125,6 +125,7 @@ print(progress.functions)
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("cast", ["{figure: beetle, walk: {}}", "{prop: {shape: ball}}"])
+@pytest.mark.nightly
 def test_scenes_without_bodies_load_no_compiler(cast: str) -> None:
     code = (
         "import sys, pipeline.cli\n"

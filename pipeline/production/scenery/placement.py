@@ -241,11 +241,6 @@ class Placement:
         here = here * np.minimum(1.0, (near / np.maximum(distances, 1e-3)) ** FALL)
         end = self._reach(species, 0.0)
         here = here * (1.0 - smoothstep(0.7 * end, end, distances))
-        if species.layer == "cover":
-            # Most of what is near stands below the frame, where it would cost the most.
-            tall = species.height * species.sizes[1] * wanted.size
-            middle = points + np.array([0.0, 0.5 * tall, 0.0])
-            here = here * self.view.sees(middle, np.full(len(points), SHADOW * tall))
         steep = np.hypot(ground.normals[:, 0], ground.normals[:, 2]) / ground.normals[:, 1]
         if wanted.where != "shore":
             here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))
@@ -259,6 +254,8 @@ class Placement:
             here = here * np.where(ground.on_terrain, 1.0, np.maximum(woods, 0.5))
         rank = share / np.maximum(here, 1e-12)
         kept = rank < 1.0
+        if species.layer == "cover":
+            kept[kept] &= self._is_in_frame(species, wanted, points[kept])
         kept[kept] &= self._is_free(species, wanted, points[kept])
         if wanted.where != "shore":
             # Stones of a shore hide its edge.
@@ -313,6 +310,12 @@ class Placement:
             plane = points[:, 1] - radius * (normals[:, 0] * i + normals[:, 2] * j) / normals[:, 1]
             level &= np.abs(self.ground.height(x, z) - plane) < most
         return level
+
+    def _is_in_frame(self, species: Species, wanted: Wanted, points: Array) -> NDArray[np.bool_]:
+        """Return which cover a frame shows; most of what is near, and costs most, is below it."""
+        tall = species.height * species.sizes[1] * wanted.size
+        middle = points + np.array([0.0, 0.5 * tall, 0.0])
+        return self.view.sees(middle, np.full(len(points), SHADOW * tall))
 
     def _is_free(self, species: Species, wanted: Wanted, points: Array) -> NDArray[np.bool_]:
         """Return which places are clear of performers and of the line of sight."""

@@ -49,11 +49,7 @@ def ground_in_weather(material: Material, weather: Weather) -> Material:
             (SOAKED, WET_ROUGHNESS) if is_natural else (FLOOR_SOAKED, WET_FLOOR_ROUGHNESS)
         )
         wet = min(weather.rain / soaked, 1.0)
-        share = 1.0 + wet * (WET_SHARE - 1.0)
-        for key in _COLORS:
-            color = getattr(material, key)
-            if color is not None:
-                values[key] = tuple(share * c for c in color)
+        values |= _darkened(material, 1.0 + wet * (WET_SHARE - 1.0))
         values["roughness"] = min(
             material.roughness, material.roughness + wet * (smooth - material.roughness)
         )
@@ -87,14 +83,17 @@ def wetted(material: Material, weather: Weather) -> Material:
         return material
     wet, rough = min(weather.rain / SOAKED, 1.0), material.roughness
     share = 1.0 - WET_DARKNESS * wet * rough * (1.0 - material.metallic)
-    values: dict[str, Any] = {
+    values = _darkened(material, share) | {
         "clearcoat": min(max(material.clearcoat, wet * (WET_COAT - rough)), 1.0),
         "roughness": rough * (1.0 - WET_SMOOTHNESS * wet),
-        "color": tuple(share * c for c in material.color),
     }
-    if material.color2 is not None:
-        values["color2"] = tuple(share * c for c in material.color2)
     return material.model_copy(update=values)
+
+
+def _darkened(material: Material, share: float) -> dict[str, Any]:
+    """Return all colours of a material, as shares of what they are."""
+    colors = {key: getattr(material, key) for key in _COLORS}
+    return {key: tuple(share * c for c in color) for key, color in colors.items() if color}
 
 
 def snowed_cover(mesh: Mesh, weather: Weather) -> Mesh:

@@ -66,7 +66,7 @@ class Companions:
     # --- setting out --------------------------------------------------------------------
 
     def _set_out(self, group: Sequence[int]) -> None:
-        """Let people with nothing to do come along with one who goes somewhere."""
+        """Let idle people walk along with a companion that sets out."""
         controllers = self._dispatcher.controllers
         leaders = [k for k in group if leads_somewhere(controllers[k].record)]
         for k in group if leaders else ():
@@ -138,7 +138,7 @@ def room_of(walking: Sequence[PersonController]) -> float:
     middles, radii = first.obstacles()
     if not len(radii):
         return 1.0
-    # The row goes with the one who is followed by all.
+    # The row follows the one companion that has an order.
     line = leaders if len(leaders) == 1 else walking
     at = np.mean([one.record.at for one in line], axis=0)
     ahead = np.array(first.record.group_ahead)

@@ -1,4 +1,4 @@
-"""Company task: coming along with a companion who goes somewhere.
+"""Company task: walking along with a companion.
 
 The way is that of the companion; where in the row one walks is chosen by `walking_group`.
 """
@@ -20,7 +20,7 @@ from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
 
-LEAST_WAY = 1.5  # of a companion who is joined [m]
+LEAST_WAY = 1.5  # that a companion has left to go, or it is not joined [m]
 ENDING_TIME = 4.0  # to get to its own place after the companion has arrived [s]
 
 
@@ -73,7 +73,7 @@ class WalkAlong(Task):
         x, z = (float(c) for c in self.place)
         controller.go(x, z, float(leader.stop_distance))
         person.comes_along = True
-        # Who is kept from coming along is waited for, and gives nothing up.
+        # The others wait for a person that is held up, so it gives nothing up.
         self.approach.advance(controller, self.place, dt)
         return False
 

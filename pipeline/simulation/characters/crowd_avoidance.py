@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
 from pipeline.simulation.characters.half_planes import allowed_velocity
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
+from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, order_along_x
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.walking_group import (
@@ -33,8 +33,6 @@ from pipeline.simulation.characters.walking_group import (
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.spatial import Array
-
-Numbers = NDArray[np.int64]
 
 HORIZON = 3.0  # within which nobody is met [s]
 SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
@@ -71,13 +69,7 @@ def is_in_throng(person: Record) -> bool:
 def avoid_people(persons: Records) -> None:
     """Choose the sidestep of every person, once a step."""
     gather_groups(persons)
-    order = np.zeros(len(persons), dtype=np.int64)
-    for i in range(len(persons)):
-        n = i
-        while n > 0 and persons[order[n - 1]].at[0] > persons[i].at[0]:
-            order[n] = order[n - 1]
-            n -= 1
-        order[n] = i
+    order, near = order_along_x(persons), np.zeros(len(persons), dtype=np.int64)
     nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
     seen = np.zeros(MOST_SEEN, dtype=np.int64)
     # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
@@ -87,15 +79,15 @@ def avoid_people(persons: Records) -> None:
         person = persons[order[n]]
         if not person.has_goal:
             person.detour, person.impatience = 0.0, -PATIENCE
-            make_way(persons, order, n)
+            make_way(persons, order, n, near)
             continue
         person.gave_way = False
-        count = _find_nearest(persons, order, n, nearest)
+        count = _find_nearest(persons, order, n, near, nearest)
         alone_x, alone_z = goal_velocity(person)
         wanted_x, wanted_z = alone_x, alone_z
         if person.group_size > 1:
             wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
-        x, z, in_crowd = head_for_gap(persons, order, n, seen, wanted_x, wanted_z)
+        x, z, in_crowd = head_for_gap(persons, order, n, near, seen, wanted_x, wanted_z)
         squeeze = max(person.impatience, 0.0)
         for k in range(count):
             other = persons[nearest[k]]
@@ -146,28 +138,23 @@ def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
 
 
 @compiled
-def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) -> int:
+def _find_nearest(persons: Records, order: Numbers, n: int, near: Numbers, nearest: Numbers) -> int:
     """Write the numbers of the nearest people whom the n-th in order sees; return how many."""
     person = persons[order[n]]
     squares = np.zeros(MOST_NEIGHBOURS)
     count = 0
-    for direction in (-1, 1):
-        m = n + direction
-        while 0 <= m < len(order):
-            other = persons[order[m]]
-            x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
-            if abs(x) > SIGHT_RANGE:
-                break
-            square = x * x + z * z
-            if other.owner != person.partner and 1e-18 < square < SIGHT_RANGE**2:
-                k = min(count, MOST_NEIGHBOURS - 1)
-                if count < MOST_NEIGHBOURS or square < squares[k]:
-                    while k > 0 and squares[k - 1] > square:
-                        squares[k], nearest[k] = squares[k - 1], nearest[k - 1]
-                        k -= 1
-                    squares[k], nearest[k] = square, order[m]
-                    count = min(count + 1, MOST_NEIGHBOURS)
-            m += direction
+    for m in range(find_neighbours(persons, order, n, SIGHT_RANGE, near)):
+        other = persons[near[m]]
+        x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
+        square = x * x + z * z
+        if other.owner != person.partner and 1e-18 < square < SIGHT_RANGE**2:
+            k = min(count, MOST_NEIGHBOURS - 1)
+            if count < MOST_NEIGHBOURS or square < squares[k]:
+                while k > 0 and squares[k - 1] > square:
+                    squares[k], nearest[k] = squares[k - 1], nearest[k - 1]
+                    k -= 1
+                squares[k], nearest[k] = square, near[m]
+                count = min(count + 1, MOST_NEIGHBOURS)
     return count
 
 

@@ -12,17 +12,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pipeline.simulation.characters.neighbours import Numbers, find_neighbours
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
     rows_apart,
     walks_with,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-
-Numbers = NDArray[np.int64]
 
 SIGHT = 6.0  # distance ahead up to which gaps are judged [m]
 CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
@@ -38,7 +34,13 @@ MOST_SEEN = 24
 
 @compiled
 def head_for_gap(
-    persons: Records, order: Numbers, n: int, seen: Numbers, x: float, z: float
+    persons: Records,
+    order: Numbers,
+    n: int,
+    near: Numbers,
+    seen: Numbers,
+    x: float,
+    z: float,
 ) -> tuple[float, float, bool]:
     """Return the wanted velocity of the n-th person in order, turned towards a gap.
 
@@ -48,6 +50,7 @@ def head_for_gap(
         persons: `PERSON` records.
         order: their numbers along x.
         n: the person's place in the order.
+        near: room for all people.
         seen: room for those it sees.
         x: of its velocity to the goal [m/s].
         z: of the same.
@@ -56,7 +59,7 @@ def head_for_gap(
     speed = math.hypot(x, z)
     count = 0
     if speed > 0.1:
-        count = _people_ahead(persons, order, n, seen, x / speed, z / speed)
+        count = _people_ahead(persons, order, n, near, seen, x / speed, z / speed)
     angle = 0.0
     if count >= CROWD:
         left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
@@ -70,23 +73,20 @@ def head_for_gap(
 
 @compiled
 def _people_ahead(
-    persons: Records, order: Numbers, n: int, seen: Numbers, x: float, z: float
+    persons: Records, order: Numbers, n: int, near: Numbers, seen: Numbers, x: float, z: float
 ) -> int:
     """Write the numbers of people before a person that goes along x, z; return how many."""
     person = persons[order[n]]
     count = 0
-    for direction in (-1, 1):
-        m = n + direction
-        while 0 <= m < len(order) and count < MOST_SEEN:
-            other = persons[order[m]]
-            dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
-            if abs(dx) > SIGHT:
+    for m in range(find_neighbours(persons, order, n, SIGHT, near)):
+        other = persons[near[m]]
+        dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
+        is_other = other.owner != person.partner and not walks_with(person, other)
+        if is_other and dx * dx + dz * dz < SIGHT * SIGHT and dx * x + dz * z > 0.0:
+            seen[count] = near[m]
+            count += 1
+            if count == MOST_SEEN:
                 break
-            is_other = other.owner != person.partner and not walks_with(person, other)
-            if is_other and dx * dx + dz * dz < SIGHT * SIGHT and dx * x + dz * z > 0.0:
-                seen[count] = order[m]
-                count += 1
-            m += direction
     return count
 
 
@@ -124,7 +124,7 @@ def _free_way(person: Record, other: Record, vx: float, vz: float) -> float:
     """Return how far a person gets at a velocity before it meets another [m]."""
     x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
     gap = 0.5 * GAP * (person.height + other.height)
-    # Who walks in a group passes around others with all of it, and others around all of it.
+    # A group passes around others as a whole, and they around it.
     width = person.group_width + other.group_width
     if width > 0.0:
         row_x, row_z = rows_apart(person, other)

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.neighbours import Numbers, find_neighbours
 from pipeline.simulation.characters.person_record import SITTING, SWINGING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-
-Numbers = NDArray[np.int64]
 
 WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
 WAY_SPEED = 0.6  # at which they do [m/s]
@@ -23,7 +19,7 @@ SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
 
 @compiled
-def make_way(persons: Records, order: Numbers, n: int) -> None:
+def make_way(persons: Records, order: Numbers, n: int, near: Numbers) -> None:
     """Let a standing person with nothing to do step aside for those who squeeze through.
 
     When they have passed, it goes back to where it stood, as soon as that is free.
@@ -31,7 +27,7 @@ def make_way(persons: Records, order: Numbers, n: int) -> None:
     person = persons[order[n]]
     x, z = 0.0, 0.0
     if _is_idle(person):
-        x, z = _way_asked(persons, order, n)
+        x, z = _way_asked(persons, order, n, near)
         if x != 0.0 or z != 0.0:
             if not person.gave_way:
                 person.gave_way = True
@@ -56,27 +52,22 @@ def _is_idle(person: Record) -> bool:
 
 
 @compiled
-def _way_asked(persons: Records, order: Numbers, n: int) -> tuple[float, float]:
+def _way_asked(persons: Records, order: Numbers, n: int, near: Numbers) -> tuple[float, float]:
     """Return the velocity at which a person makes way for those who squeeze through [m/s]."""
     person = persons[order[n]]
     x, z = 0.0, 0.0
-    for direction in (-1, 1):
-        m = n + direction
-        while 0 <= m < len(order):
-            other = persons[order[m]]
-            dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
-            if abs(dx) > WAY_RANGE:
-                break
-            if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
-                gx, gz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
-                far = max(math.hypot(gx, gz), 1e-9)
-                ahead, aside = (gx * dx + gz * dz) / far, (gx * dz - gz * dx) / far
-                if 0.0 < ahead < WAY_RANGE and abs(aside) < WAY_WIDTH:
-                    step = other.impatience * (1.0 - abs(aside) / WAY_WIDTH)
-                    step *= 1.0 if aside > 0.0 else -1.0
-                    x -= step * gz / far
-                    z += step * gx / far
-            m += direction
+    for m in range(find_neighbours(persons, order, n, WAY_RANGE, near)):
+        other = persons[near[m]]
+        dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
+        if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
+            gx, gz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+            far = max(math.hypot(gx, gz), 1e-9)
+            ahead, aside = (gx * dx + gz * dz) / far, (gx * dz - gz * dx) / far
+            if 0.0 < ahead < WAY_RANGE and abs(aside) < WAY_WIDTH:
+                step = other.impatience * (1.0 - abs(aside) / WAY_WIDTH)
+                step *= 1.0 if aside > 0.0 else -1.0
+                x -= step * gz / far
+                z += step * gx / far
     return WAY_SPEED * x, WAY_SPEED * z
 
 

@@ -1,4 +1,4 @@
-"""Company behaviours: coming along with somebody who goes somewhere."""
+"""Company behaviours: walking along with somebody."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from pipeline.spec.behaviour import Accompany
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
 
-JOINING_RANGE = 8.0  # of somebody who goes somewhere [m]
+JOINING_RANGE = 8.0  # within which a walking companion is joined [m]
 JOINING_ACTIVATION = 0.6
 
 
 @implements(Accompany)
 class AccompanyOther(ConfiguredBehaviour[Accompany]):
-    """Come along with somebody who goes somewhere."""
+    """Walk along with a companion."""
 
     def __init__(self, config: Accompany, mind: Mind) -> None:
         super().__init__(config, mind)

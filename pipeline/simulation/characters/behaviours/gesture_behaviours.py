@@ -15,7 +15,7 @@ from pipeline.spec.behaviour import Soothe as SootheConfig
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
 
-SOOTHING_RANGE = 1.6  # of a friend who is sad [m]
+SOOTHING_RANGE = 1.6  # within which a sad friend is soothed [m]
 SADNESS = 0.4  # that a face shows, from which it is comforted
 PAIN = 0.2  # the same, of pain
 SOOTHING_ACTIVATION = 0.55
@@ -24,7 +24,7 @@ PAUSE = 6.0  # before the same friend is comforted again [s]
 
 @implements(SootheConfig)
 class SootheFriend(ConfiguredBehaviour[SootheConfig]):
-    """Go up to somebody near who is sad or hurt, and stroke its shoulder."""
+    """Go up to a sad or hurt person nearby, and stroke its shoulder."""
 
     def __init__(self, config: SootheConfig, mind: Mind) -> None:
         super().__init__(config, mind)

@@ -10,6 +10,7 @@ import pytest
 from benchmarks.crossing import cross
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import headway_share
+from pipeline.simulation.characters.neighbours import find_neighbours, order_along_x
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.dynamics.record_array import zero_records
 from tests.simulation.characters.scripted_people import play_scene
@@ -50,6 +51,21 @@ def test_walkers_in_a_crowd_keep_a_headway_by_their_speed(
     plain: Any = headway_share
     share = plain.py_func(persons, persons[0], np.array([1]), 1, 1.3, 0.0)
     assert 1.3 * share == pytest.approx(fastest, abs=0.01)
+
+
+def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() -> None:
+    persons = zero_records(30, PERSON)
+    x = np.random.default_rng(4).uniform(-8.0, 8.0, 30)
+    persons["at"][:, 0] = x
+    order = order_along_x(persons)
+    np.testing.assert_array_equal(order, np.argsort(x))
+    found = np.zeros(30, dtype=np.int64)
+    for n in range(30):
+        near = found[: find_neighbours(persons, order, n, 2.5, found)]
+        offset = x[near] - x[order[n]]
+        assert set(near) == set(np.flatnonzero(np.abs(x - x[order[n]]) <= 2.5)) - {order[n]}
+        for side in (offset[offset < 0.0], offset[offset > 0.0]):
+            assert (np.diff(np.abs(side)) > 0.0).all()
 
 
 @pytest.mark.nightly

@@ -57,11 +57,13 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
     persons = zero_records(30, PERSON)
     x = np.random.default_rng(4).uniform(-8.0, 8.0, 30)
     persons["at"][:, 0] = x
-    order = order_along_x(persons)
+    ordered: Any = order_along_x
+    neighbours: Any = find_neighbours
+    order = ordered.py_func(persons)
     np.testing.assert_array_equal(order, np.argsort(x))
     found = np.zeros(30, dtype=np.int64)
     for n in range(30):
-        near = found[: find_neighbours(persons, order, n, 2.5, found)]
+        near = found[: neighbours.py_func(persons, order, n, 2.5, found)]
         offset = x[near] - x[order[n]]
         assert set(near) == set(np.flatnonzero(np.abs(x - x[order[n]]) <= 2.5)) - {order[n]}
         for side in (offset[offset < 0.0], offset[offset > 0.0]):

@@ -12,6 +12,7 @@ from pipeline.production.scenery.prototype import (
     Color,
     Prototype,
     Shape,
+    across,
     add_tubes,
     mixed,
     unit,
@@ -29,7 +30,7 @@ class Habit:
         radius: of the trunk below the crown [m].
         lean: greatest distance of the crown from the foot, sidewards [m].
         scars: number of leaf scars along the trunk.
-        flare: by which each scar is wider than the trunk above it.
+        boots: stubs of leaves around the trunk, 0 where it has shed them.
         fronds: their number.
         long: length of a frond [m].
         leaflet: length of the longest leaflet, or of a fan from its hub [m].
@@ -46,7 +47,7 @@ class Habit:
     radius: float
     lean: float
     scars: int
-    flare: float
+    boots: int
     fronds: int
     long: float
     leaflet: float
@@ -61,23 +62,30 @@ class Habit:
 
 HABITS = (
     Habit(
-        *(6.6, 0.115, 1.7, 34, 0.012, 25, 3.1, 0.85, (1.35, -0.45), 1.55, 4),
+        *(6.6, 0.115, 1.7, 34, 0, 25, 3.1, 0.85, (1.35, -0.45), 1.55, 4),
         *((0.105, 0.165, 0.040), (0.250, 0.290, 0.080), (0.26, 0.215, 0.165)),
     ),
     Habit(
-        *(5.2, 0.20, 0.25, 36, 0.07, 38, 2.4, 0.50, (1.45, -0.55), 0.95, 7),
+        *(5.2, 0.20, 0.25, 36, 9, 38, 2.4, 0.50, (1.45, -0.55), 0.95, 7),
         *((0.110, 0.150, 0.060), (0.215, 0.245, 0.105), (0.20, 0.150, 0.105)),
     ),
     Habit(
-        *(5.6, 0.14, 0.45, 30, 0.03, 34, 1.15, 0.95, (1.35, -0.60), 0.35, 12),
+        *(5.6, 0.14, 0.45, 30, 0, 34, 1.15, 0.95, (1.35, -0.60), 0.35, 12),
         *((0.095, 0.150, 0.045), (0.220, 0.265, 0.085), (0.21, 0.170, 0.125), True),
     ),
     Habit(
-        *(5.4, 0.105, 2.3, 30, 0.012, 21, 2.7, 0.95, (1.25, -0.25), 1.75, 3),
+        *(5.4, 0.105, 2.3, 30, 0, 21, 2.7, 0.95, (1.25, -0.25), 1.75, 3),
         *((0.120, 0.175, 0.042), (0.265, 0.295, 0.085), (0.28, 0.235, 0.180)),
     ),
 )
 """Coconut, date and fan palm, and a coconut palm bent by the wind."""
+
+SCAR = (0.66, 0.96)
+"""Least and greatest lightness of bark above a scar, relative to that below the next."""
+
+BOOT_OUT, BOOT_LONG, BOOT_DOWN = 0.24, 0.75, 1.1
+"""How far the tip of a stub stands out relative to the radius of the trunk, and how far it reaches
+above and below the row of the stub, in rows."""
 
 DEAD = (0.29, 0.205, 0.115)
 """Linear colour of dry fronds."""
@@ -122,24 +130,30 @@ def palm(seed: int, level: int) -> Prototype:
 
 
 def _add_trunk(shape: Shape, habit: Habit, rng: np.random.Generator, level: int) -> Array:
-    """Add a trunk with rings of leaf scars, and return the place (3,) of the crown."""
+    """Add a trunk with scars or stubs of leaves, and return the place (3,) of the crown."""
     n = habit.scars
-    t = np.linspace(0.0, 1.0, n + 1)[:, None]
+    # Leaves follow each other faster in good years.
+    t = np.concatenate([[0.0], np.cumsum(rng.uniform(0.6, 1.4, n))])[:, None]
+    t = t / t[-1]
     turn = rng.uniform(0.0, 2.0 * np.pi)
     lean = habit.lean * rng.uniform(0.6, 1.0) * np.array([np.cos(turn), 0.0, np.sin(turn)])
     # It sets out askew and straightens to the light.
     points = habit.height * t * UP + (1.45 * t - 0.45 * t**2.2) * lean
     radii = habit.radius * (1.0 + 0.35 * (1.0 - t[:, 0]) + 0.75 * np.exp(-t[:, 0] / 0.045))
+    radii = radii * (1.0 + 0.025 * rng.normal(size=n + 1))
     ways = unit(np.diff(points, axis=0))
     rings = unit(np.concatenate([ways[:1], ways[:-1] + ways[1:], ways[-1:]]))
-    wide = radii[1:] * (1.0 + habit.flare)
-    bark = np.asarray(habit.bark) * rng.uniform(0.92, 1.08, (n, 1))
-    # Below each scar lies its shadow.
-    shades = np.stack([0.80 * bark, 1.06 * bark], axis=1)
+    bark = np.asarray(habit.bark) * rng.uniform(0.88, 1.08, (n, 1))
+    # Below each scar lies its shadow; between stubs it is dark all along.
+    scar = rng.uniform(*SCAR, (n, 1))
+    light = np.full((n, 1), 0.4) if habit.boots else np.full((n, 1), 1.06)
+    shades = np.stack([0.4 * bark if habit.boots else scar * bark, light * bark], axis=1)
     add_tubes(
-        *(shape, points[:-1], points[1:], radii[:-1], wide, shades, (10, 7)[level]),
-        (rings[:-1], rings[1:]),
+        *(shape, points[:-1], points[1:], radii[:-1], radii[1:], shades, (18, 9)[level]),
+        (unit(rings[:-1] + 0.06 * rng.normal(size=(n, 3))), rings[1:]),
     )
+    if habit.boots:
+        _add_boots(shape, habit, rng, points, rings, radii, level)
     crown = points[-1]
     vertices, faces = icosphere(1)
     sizes = np.array([1.25, 1.5, 1.25]) * habit.radius
@@ -152,6 +166,68 @@ def _add_trunk(shape: Shape, habit: Habit, rng: np.random.Generator, level: int)
                 nut + 0.105 * vertices, vertices, np.array([0.16, 0.15, 0.05]), faces, thin=False
             )
     return np.asarray(crown)
+
+
+def _add_boots(
+    shape: Shape,
+    habit: Habit,
+    rng: np.random.Generator,
+    points: Array,
+    rings: Array,
+    radii: Array,
+    level: int,
+) -> None:
+    """Add the stubs of leaves around a trunk: wedges whose tips stand out, row over row.
+
+    Args:
+        shape: to which they are added.
+        habit: of the palm.
+        rng: of their differences.
+        points: (R, 3) in the middle of the trunk [m].
+        rings: (R, 3) its directions there.
+        radii: (R,) [m].
+        level: of detail.
+    """
+    around = max(habit.boots - 2 * level, 5)
+    rows = np.arange(1, len(points))
+    row = np.repeat(rows, around) + rng.uniform(-0.25, 0.25, around * len(rows))
+    # Each row stands in the gaps of the one below.
+    angle = (np.tile(np.arange(around), len(rows)) + 0.5 * np.repeat(rows, around)) / around
+    angle = 2.0 * np.pi * angle + rng.normal(0.0, 0.07, len(row))
+    half = np.pi / around * rng.uniform(0.8, 1.05, len(row))
+    stands = 1.0 + BOOT_OUT * rng.uniform(0.5, 1.3, len(row))
+    knots = np.arange(len(points))
+
+    def place(up: Array, aside: Array, out: Array) -> Array:
+        middle, way = (
+            np.stack([np.interp(row + up, knots, table[:, k]) for k in range(3)], axis=-1)
+            for table in (points, rings)
+        )
+        u, w = across(unit(way))
+        turned = angle + aside * half
+        outwards = np.cos(turned)[:, None] * u + np.sin(turned)[:, None] * w
+        return np.asarray(middle + (np.interp(row + up, knots, radii) * out)[:, None] * outwards)
+
+    none, one = np.zeros(len(row)), np.ones(len(row))
+    long = BOOT_LONG * rng.uniform(0.6, 1.3, len(row))
+    corners = [
+        place(-BOOT_DOWN * one, none, 0.98 * one),
+        place(none, -one, 1.02 * one),
+        place(none, one, 1.02 * one),
+        place(long, -0.45 * one, stands),
+        place(long, 0.45 * one, stands),
+        place(0.3 * one, none, 0.9 * one),
+    ]
+    places = np.stack(corners, axis=1)
+    axis = np.stack([np.interp(row, knots, points[:, k]) for k in range(3)], axis=-1)
+    normals = places - axis[:, None]
+    normals[:, 5] = rings[np.minimum(np.rint(row).astype(int), len(rings) - 1)]
+    bark = np.asarray(habit.bark) * rng.uniform(0.75, 1.2, (len(row), 1))
+    # Cut ends are pale and their edges grey, below they are in shade.
+    tones = np.array([0.45, 0.8, 0.8, 1.15, 1.15, 0.3])[None, :, None] * bark[:, None]
+    faces = np.array([[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5]])
+    numbers = faces[None] + places.shape[1] * np.arange(len(places))[:, None, None]
+    shape.add(places, normals, tones, numbers, thin=False)
 
 
 def _spine(foot: Array, heading: float, rise: float, bow: float, long: float) -> Array:

@@ -83,20 +83,20 @@ SHRUB = 0.1
 
 CROWNS: dict[str, Crown] = {
     "oak": Crown(
-        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.185, 0.62, 15000,
+        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.165, 0.62, 24000,
         (0.108, 0.152, 0.036), (0.218, 0.268, 0.072), (0.115, 0.092, 0.068),
     ),
     "birch": Crown(
-        9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.12, 0.72, 12000,
+        9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.115, 0.72, 18500,
         (0.125, 0.170, 0.042), (0.258, 0.300, 0.088), (0.55, 0.53, 0.49),
         sag=0.22, hollow=0.1, lobes=12,
     ),
     "acacia": Crown(
-        6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.135, 0.45, 14500,
+        6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.13, 0.45, 19000,
         (0.108, 0.134, 0.046), (0.205, 0.224, 0.086), (0.135, 0.104, 0.076), hollow=0.1,
     ),
     "bush": Crown(
-        1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.080, 0.58, 5200,
+        1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.076, 0.58, 6800,
         (0.100, 0.142, 0.038), (0.205, 0.250, 0.074), (0.110, 0.086, 0.062), hollow=0.2, lobes=6,
         escaped=0.10,
     ),
@@ -151,7 +151,7 @@ TIER = 0.42
 BOUGH = (0.36, 0.82)
 """Least and greatest distance of the middle of a lobe from that of the crown."""
 
-LEVELS = ((1.0, 1.0, 7, 4), (0.9, 1.0, 5, 2), (0.46, 1.65, 4, 1), (0.11, 3.7, 3, 1))
+LEVELS = ((1.0, 1.0, 7, 4), (1.0, 1.0, 5, 2), (0.68, 1.4, 4, 1), (0.16, 3.0, 3, 1))
 """Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
 leaf."""
 
@@ -166,6 +166,10 @@ SHOOT = 0.62
 
 OPENED = (0.9, 1.15)
 """Cosine and sine, not normalised, of the angle between a leaf and its shoot."""
+
+INNER = (1.0, 1.3, 1.5, 1.6)
+"""Length of leaves in the middle of a crown relative to those at its outside, by level: they are
+seen as the ground of the others alone, and shut the gaps through which the sky would be seen."""
 
 CALM = (1.0, 0.8, 0.45, 0.15)
 """Share of the differences between single leaves by level: far ones are smaller than a pixel, where
@@ -295,6 +299,7 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     way = unit(0.55 * unit(out) + 0.45 * skeleton.ways[at] + 0.75 * random_directions(rng, shoots))
     way = unit(way + hang)
     leaf = config.leaf * long * rng.uniform(0.75, 1.15, shoots)
+    leaf = leaf * (1.0 + (INNER[level] - 1.0) * np.clip(1.4 - 2.0 * depth, 0.0, 1.0))
     length = SHOOT * each * leaf
     if level < 2:
         # A shoot is wood too: leaves without one hang in the air.

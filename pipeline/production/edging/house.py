@@ -8,6 +8,14 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.production.edging.carpentry import Carpentry
+from pipeline.production.edging.facade import (
+    RAILED,
+    WINDOWS,
+    add_dormers,
+    add_gutter,
+    add_rail,
+    add_sign,
+)
 from pipeline.production.surroundings.lattice_noise import hashed
 from pipeline.simulation.spatial import Array
 
@@ -78,6 +86,8 @@ class House:
         flowery: whether there are boxes of flowers on its upper sills.
         attic: height of the wall over its upper windows [m].
         mix: of the tiles on its roof, of `MIXES`.
+        windows: their measures, of `WINDOWS`.
+        has_dormers: whether windows stand out of its roof.
         flowers: points (3,) at which flowers grow in them [m], once it is built.
     """
 
@@ -96,6 +106,8 @@ class House:
     flowery: bool = False
     attic: float = 0.0
     mix: int = 0
+    windows: int = 0
+    has_dormers: bool = False
     flowers: list[Array] = field(default_factory=list)
 
     @property
@@ -131,6 +143,8 @@ class House:
         self._trim(wide, deep)
         self._steps()
         self.roof()
+        if self.is_shop:
+            add_sign(self, wood)
 
     def add(
         self,
@@ -157,8 +171,11 @@ class House:
             return Opening(1.15, 0.0, 2.55, "door")
         if storey == 0 and self.is_shop:
             return Opening(bay_wide - 0.5, 0.45, 2.5, "shop")
+        wide, low, high = WINDOWS[self.windows]
+        # Nobody looks in from the street, and the last storey is lower.
+        low = max(low, 0.85) if storey == 0 else low
         last = storey == self.storeys - 1 and self.storeys > 2
-        return Opening(1.02, 0.85, (2.25 if last else 2.45) + 0.15 * (storey == 0), "window")
+        return Opening(wide, low, high - 0.2 * last + 0.15 * (storey == 0), "window")
 
     def _wall(self, middle: float, foot: float, tall: float, opening: Opening) -> None:
         """Add the wall around the opening of a bay."""
@@ -191,7 +208,9 @@ class House:
             self.add(
                 "hewn stone", (middle, foot + opening.low - 0.05, 0.05), (wide + 0.36, 0.1, 0.24)
             )
-            if foot > 0.0 and self.flowery and self.rng.uniform() < 0.75:
+            if opening.low < RAILED and opening.kind == "window":
+                add_rail(self, middle, foot + opening.low, wide)
+            elif foot > 0.0 and self.flowery and self.rng.uniform() < 0.75:
                 self._flower_box(middle, foot + opening.low, wide)
         if opening.kind == "shop":
             self._awning(middle, foot + opening.high + 0.12, wide + 0.2)
@@ -359,6 +378,9 @@ class House:
                     lean - 0.10,
                 )
         self.add("tile dark", (0.0, self.tall + rise + 0.1, -0.5 * deep), (over, 0.14, 0.26))
+        add_gutter(self, EAVES * along, EAVES * down)
+        if self.has_dormers:
+            add_dormers(self, PITCH)
         chimney = float(self.rng.choice((-0.3, 0.28, 0.4))) * wide
         self.add("brick", (chimney, self.tall + rise, -0.62 * deep), (0.8, 2.0, 0.55))
         self.add("hewn stone", (chimney, self.tall + rise + 1.0, -0.62 * deep), (0.92, 0.1, 0.67))

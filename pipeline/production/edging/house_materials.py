@@ -41,6 +41,7 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "awning green": _dull("#3d6b4c", 0.9, "weave"),
     "awning blue": _dull("#3c5f86", 0.9, "weave"),
     "awning white": _dull("#dcd4c2", 0.9, "weave"),
+    "zinc": _dull("#8b908f", 0.45),
     "window frame": _dull("#cfc8b8", 0.7),
     "pane": PANE,
     # By day one does not see that somebody is at home.

@@ -6,10 +6,10 @@ import numpy as np
 
 from pipeline.production.edging.border import Border, turns
 from pipeline.production.edging.plot import Plot
+from pipeline.production.edging.stall import Stall
 from pipeline.production.edging.turned import fountain, pot
 from pipeline.production.scenery.expansion import Copies
-from pipeline.production.scenery.prototype import UP, Prototype, Shape
-from pipeline.production.scenery.stones import icosphere
+from pipeline.production.scenery.prototype import UP
 from pipeline.simulation.spatial import Array
 
 SPACING = 4.6
@@ -23,13 +23,6 @@ FOUNTAIN_RADIUS, RING, STALL = 1.55, 0.95, 1.5
 
 TREE_SIZE, CROWN = 0.62, 2.7
 """Factor on the sizes of trees in a town, and the radius of their crowns [m]."""
-
-CLOTHS = ("awning red", "awning green", "awning blue")
-
-GOODS = ((0.55, 0.19, 0.03), (0.42, 0.05, 0.03), (0.50, 0.40, 0.06), (0.12, 0.22, 0.05))
-"""Linear colours of fruit."""
-
-FRUIT_RADIUS = 0.055
 
 
 def furnish(border: Border, level: float) -> None:
@@ -49,7 +42,10 @@ def furnish(border: Border, level: float) -> None:
             _fountain(border, place, level)
             has_fountain = True
         elif turn % 2 and _is_apart(border, place):
-            _stall(border, place, heading[k], outward[k], level, rng)
+            back = np.array([outward[k][0], 0.0, outward[k][1]])
+            foot = np.array([place[0], level, place[1]])
+            Stall(border, foot, float(heading[k]), back, rng).build()
+            _plot(border, place, STALL)
         else:
             _ringed_tree(border, place, level, rng)
 
@@ -111,76 +107,6 @@ def _ringed_tree(border: Border, place: Array, level: float, rng: np.random.Gene
     if not has_tree:
         border.add_plants("bush", foot[None] + 0.1 * UP, 0.85, rng)
     _plot(border, place, RING + 0.1)
-
-
-def _stall(
-    border: Border,
-    place: Array,
-    heading: float,
-    outward: Array,
-    level: float,
-    rng: np.random.Generator,
-) -> None:
-    """Add a market stall: a table of fruit in crates under a striped roof."""
-    foot = np.array([place[0], level, place[1]])
-    along = np.array([np.cos(heading), 0.0, -np.sin(heading)])
-    back = np.array([outward[0], 0.0, outward[1]])
-    cloth = str(rng.choice(CLOTHS))
-    add = border.carpentry.add
-    for x in (-1.15, 1.15):
-        for z in (-0.7, 0.7):
-            add(
-                "edging weathered",
-                foot + x * along + z * back + 1.1 * UP,
-                (0.06, 2.2, 0.06),
-                heading,
-            )
-    count = 11
-    for k in range(count):
-        x = ((k + 0.5) / count - 0.5) * 2.7
-        stripe = f"edging {cloth if k % 2 == 0 else 'awning white'}"
-        wide = 2.7 / count
-        for side in (-1.0, 1.0):
-            at = foot + x * along + side * 0.45 * back + 2.42 * UP
-            add(stripe, at, (wide, 0.015, 1.04), heading, -side * 0.5)
-            add(
-                stripe,
-                foot + x * along + side * 0.9 * back + 2.09 * UP,
-                (wide, 0.18, 0.012),
-                heading,
-            )
-    add("edging weathered", foot + 0.78 * UP, (2.3, 0.05, 1.0), heading)
-    add("edging awning white", foot + 0.55 * UP - 0.48 * back, (2.28, 0.44, 0.015), heading)
-    for k, x in enumerate((-0.8, -0.27, 0.27, 0.8)):
-        middle = foot + x * along - 0.16 * back + 0.86 * UP
-        for z in (-0.27, 0.27):
-            add("edging weathered", middle + z * back, (0.48, 0.13, 0.02), heading)
-        for side in (-0.24, 0.24):
-            add("edging weathered", middle + side * along, (0.02, 0.13, 0.54), heading)
-        n = 22
-        spots = (
-            middle
-            + rng.uniform(-0.2, 0.2, (n, 1)) * along
-            + rng.uniform(-0.22, 0.22, (n, 1)) * back
-        )
-        spots[:, 1] += rng.uniform(0.0, 0.05, n)
-        tints = np.array(GOODS[(k + int(rng.integers(0, 2))) % len(GOODS)]) * rng.uniform(
-            0.8, 1.2, (n, 1)
-        )
-        scales = FRUIT_RADIUS * rng.uniform(0.85, 1.1, (n, 1)) * np.ones(3)
-        border.leaves.append(Copies(_fruit(), spots, np.tile(np.eye(3), (n, 1, 1)), scales, tints))
-    # Sacks and crates beside it.
-    for x, z, size in ((-1.5, 0.3, 0.42), (1.45, -0.1, 0.36), (1.5, 0.42, 0.4)):
-        at = foot + x * along + z * back + 0.5 * size * UP
-        add("edging weathered", at, (size, size, size), heading + rng.normal(0.0, 0.2))
-    _plot(border, place, STALL)
-
-
-def _fruit() -> Prototype:
-    vertices, faces = icosphere(1)
-    shape = Shape()
-    shape.add(vertices, vertices, np.full(3, 0.9), faces, thin=False)
-    return shape.prototype()
 
 
 def pots(border: Border, points: Array, rng: np.random.Generator) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.border import CLEAR, FOREGROUND, Border
+from pipeline.production.edging.facade import WINDOWS
 from pipeline.production.edging.house import MIXES, PLASTERS, House, bays, tall
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import pots
@@ -49,8 +50,9 @@ FENCE, PICKET = 5.2, 0.14
 ATTIC = 0.9
 """Greatest height of the wall over the upper windows of a house in a row [m]."""
 
-FLOWERY, CLIMBERS = 0.6, 0.5
-"""Shares of the houses with flowers on their sills, and of corners where a plant climbs."""
+FLOWERY, CLIMBERS, DORMERS = 0.6, 0.5, 0.45
+"""Shares of the houses with flowers on their sills, of corners where a plant climbs, and of roofs
+with dormers."""
 
 ALONG = (0.5, 0.38, 0.62, 0.25, 0.75, 0.12, 0.88, 0.0, 1.0)
 """Shares of a side at which a single house is tried."""
@@ -130,6 +132,8 @@ def _row(border: Border, out: float, number: int) -> None:
             flowery=bool(one.uniform() < FLOWERY),
             attic=float(one.uniform(0.0, ATTIC)),
             mix=int(one.integers(0, len(MIXES))),
+            windows=int(one.integers(0, len(WINDOWS))),
+            has_dormers=bool(one.uniform() < DORMERS),
         )
         house.build()
         if number == 0:

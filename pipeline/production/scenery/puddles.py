@@ -50,6 +50,9 @@ RIM = -0.05, 0.1
 SUNK, LIFTED, FLOOR_LIFTED = 0.015, 0.011, 0.004
 """How far below the ground the surface ends, and how far it stands above it and a floor [m]."""
 
+CRUMBS = 0.07, 0.09
+"""Height of crumbs in the noise and their width [m]."""
+
 MUD, DROWNED = (-0.3, 0.0), (-0.1, 0.06)
 """Depths in the noise between which the ground turns to mud, and between which plants end."""
 
@@ -107,6 +110,8 @@ class Puddles:
         places = np.stack([x, z], axis=-1)
         noise = 0.45 * fractal(places / 1.5, self.seed + 4210, 2)
         noise += 0.22 * fractal(places / 0.42, self.seed + 4220, 2)
+        # Crumbs of soil break the edge of the water.
+        noise += CRUMBS[0] * fractal(places / CRUMBS[1], self.seed + 4225, 2)
         noise -= MOST[0] + wet * (MOST[1] - MOST[0])
         # The ground changes it by a quarter at most.
         near = np.flatnonzero(noise > MUD[0] - 0.25)

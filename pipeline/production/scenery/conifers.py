@@ -15,8 +15,8 @@ def spruce(seed: int, level: int) -> Prototype:
     # Young ones are slim and clothed to the ground, old ones broad, gappy and bare below.
     age = (seed // 101 % 4) / 3.0
     height = 10.0 * (0.80 + 0.42 * age) * rng.uniform(0.95, 1.05)
-    broad, bare, gaps = 0.165 + 0.085 * age, 0.02 + 0.12 * age**2, 0.05 + 0.20 * age
-    n, sprays = ((250, 8), (205, 13), (96, 4), (60, 1))[level]
+    broad, bare, gaps = 0.165 + 0.085 * age, 0.02 + 0.12 * age**2, 0.05 + 0.13 * age
+    n, sprays = ((290, 9), (270, 14), (150, 6), (76, 2))[level]
     # Branches stand in no storeys: whorls of one height would be seen as plates.
     t = (np.arange(n) + rng.uniform(0.0, 1.0, n)) / n
     at = height * (bare + (0.985 - bare) * t**0.92)
@@ -46,7 +46,7 @@ def spruce(seed: int, level: int) -> Prototype:
     side = np.cross(out, UP)
     spread = (1.15, 1.15, 1.3, 1.7)[level] * length[:, None] * (1.1 - 0.72 * along)
     spread = spread * rng.uniform(0.75, 1.2, spread.shape)
-    wide = (0.14, 0.23, 0.52, 1.5)[level]
+    wide = (0.16, 0.26, 0.44, 1.0)[level]
     normals = unit(out + 0.75 * UP)
     for sign in (-1.0, 1.0):
         way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.34, 0.0]

@@ -14,6 +14,18 @@ from pipeline.simulation.spatial import Array
 GREY: Color = (0.262, 0.246, 0.218)
 LICHEN: Color = (0.19, 0.2, 0.105)
 
+KINDS: tuple[tuple[float, Color, float], ...] = (
+    (1.0, (1.0, 1.0, 1.0), 0.05),
+    (0.72, (0.78, 0.75, 0.72), 0.22),
+    (1.18, (1.08, 0.96, 0.84), 0.10),
+    (0.9, (0.86, 0.9, 0.94), 0.0),
+)
+"""Kinds of stone, by the seed: height relative to the usual, tint, and how much its layers differ:
+granite, slate, sandstone and basalt."""
+
+LAYERS = 5.5
+"""Layers of a stone by its length."""
+
 
 @cache
 def icosphere(halvings: int) -> tuple[Array, NDArray[np.int64]]:
@@ -74,17 +86,21 @@ def stone(seed: int, halvings: int, *, edged: float = 1.0, flat: float = 0.62) -
         flat: height relative to its length.
     """
     rng = np.random.default_rng(seed)
+    high, tint, layered = KINDS[seed % len(KINDS)]
     vertices, faces = icosphere(halvings)
-    for _ in range(11):
+    # Few planes leave blocks, many leave what water has rolled.
+    for _ in range(int(rng.integers(6, 15))):
         normal = unit(rng.normal(size=3))
         beyond = vertices @ normal - rng.uniform(0.52, 0.88)
         vertices = vertices - (edged * 0.92 * np.maximum(beyond, 0.0))[:, None] * normal
     vertices = vertices * (1.0 + 0.10 * rough(1.4 * vertices, seed, 3))[:, None]
-    vertices = vertices * [1.0, flat * rng.uniform(0.85, 1.15), rng.uniform(0.66, 0.9)]
+    vertices = vertices * [1.0, flat * high * rng.uniform(0.8, 1.2), rng.uniform(0.55, 0.95)]
     normals = surface_normals(vertices, faces)
     vertices = vertices * (1.0 + 0.035 * rough(4.3 * vertices, seed + 3, 3))[:, None]
     grain = rough(3.1 * vertices, seed + 5)
-    color = np.asarray(GREY) * (1.0 + 0.42 * grain)[:, None]
+    bed = unit(np.array([0.0, 1.0, 0.0]) + 0.35 * rng.normal(size=3))
+    layer = layered * np.sin(2.0 * np.pi * LAYERS * (vertices @ bed) + 2.5 * grain)
+    color = np.asarray(GREY) * tint * (0.9 + 0.42 * grain + layer)[:, None]
     lichen = smoothstep(0.15, 0.5, rough(2.0 * vertices, seed + 9)) * smoothstep(
         0.2, 0.8, normals[:, 1]
     )

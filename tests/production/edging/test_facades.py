@@ -1,0 +1,64 @@
+"""Facades and stalls: houses of a street and stalls of a market are unlike."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from pipeline.production.edging.carpentry import Carpentry
+from pipeline.production.edging.facade import RAILED, WINDOWS
+from pipeline.production.edging.house import House
+from pipeline.production.edging.stall import Stall
+from pipeline.production.scenery.stones import KINDS, stone
+
+
+def house(**others: Any) -> dict[str, np.ndarray]:
+    """Return the corners (N, 3) of a house's boxes by material [m]."""
+    carpentry = Carpentry()
+    place, rng = np.zeros(2), np.random.default_rng(3)
+    built = House(carpentry, place, 0.0, (8.0, 8.0), 3, 0.3, -0.1, rng, 1, **others)
+    built.build()
+    return {mesh.name: mesh.vertices for mesh in carpentry.meshes()}
+
+
+def test_tall_windows_have_rails_and_others_have_none() -> None:
+    for number, (_, low, _) in enumerate(WINDOWS):
+        assert ("edging iron" in house(windows=number)) == (low < RAILED)
+
+
+def test_dormers_stand_out_of_the_roof_above_the_wall() -> None:
+    plain, with_dormers = (house(has_dormers=k)["edging pane"] for k in (False, True))
+    top = 3.35 + 2 * 2.95 + 0.3
+    before = [panes[:, 2] > -2.0 for panes in (plain, with_dormers)]
+    assert plain[before[0], 1].max() < top < with_dormers[before[1], 1].max() < top + 3.5
+
+
+def test_a_gutter_has_a_pipe_down_to_the_ground() -> None:
+    zinc = house()["edging zinc"]
+    assert zinc[:, 1].min() < 0.0
+    assert np.ptp(zinc[:, 0]) > 8.0
+
+
+def test_no_two_stalls_are_alike() -> None:
+    sizes = set()
+    for seed in range(4):
+        carpentry = Carpentry()
+        border: Any = SimpleNamespace(carpentry=carpentry, leaves=[])
+        rng = np.random.default_rng(seed)
+        Stall(border, np.zeros(3), 0.0, np.array([0.0, 0.0, 1.0]), rng).build()
+        corners = np.concatenate([mesh.vertices for mesh in carpentry.meshes()])
+        sizes.add(tuple(np.round(np.ptp(corners, axis=0), 2)))
+        assert np.ptp(corners[:, 0]) < 3.6
+        assert corners[:, 1].min() > -0.01
+        fruit = np.concatenate([copies.points for copies in border.leaves])
+        assert 0.85 < fruit[:, 1].min() < fruit[:, 1].max() < 0.95
+    assert len(sizes) == 4
+
+
+def test_kinds_of_stone_differ_in_tone_and_height() -> None:
+    shapes = [stone(seed, 2) for seed in range(len(KINDS))]
+    tones = [float(shape.colors.mean()) for shape in shapes]
+    assert np.ptp(tones) > 0.03
+    assert all(0.2 < np.ptp(shape.vertices[:, 1]) < 1.8 for shape in shapes)

@@ -7,23 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.facade import (
-    RAILED,
-    WINDOWS,
-    add_dormers,
-    add_gutter,
-    add_rail,
-    add_sign,
-)
+from pipeline.production.edging.facade import RAILED, WINDOWS, Facade
 from pipeline.production.surroundings.lattice_noise import hashed
 from pipeline.simulation.spatial import Array
 
 STOREY, GROUND_STOREY = 2.95, 3.35
 """Heights of storeys [m]."""
-
-BAY = 2.35
-"""Width of wall for each window, about [m]."""
 
 WALL = 0.34
 """Depth of the outer wall, in which the panes are set back [m]."""
@@ -67,19 +56,10 @@ class Opening:
 
 
 @dataclass(frozen=True, eq=False)
-class House:
-    """One house, whose facade faces a floor.
+class House(Facade):
+    """One house behind its facade.
 
     Attributes:
-        carpentry: to which it is added.
-        place: middle of the foot of its facade, x and z [m].
-        heading: of the facade [rad].
-        size: width, and depth away from the floor [m].
-        storeys: their number.
-        level: height of the threshold [m].
-        foot: height of the lowest ground around [m].
-        rng: of what differs from house to house.
-        door: of its bays, from the left, which has the door.
         is_shop: whether the ground floor has shop windows.
         plaster: material of its walls.
         shuttered: chance that its windows have shutters.
@@ -91,15 +71,6 @@ class House:
         flowers: points (3,) at which flowers grow in them [m], once it is built.
     """
 
-    carpentry: Carpentry
-    place: Array
-    heading: float
-    size: tuple[float, float]
-    storeys: int
-    level: float
-    foot: float
-    rng: np.random.Generator
-    door: int
     is_shop: bool = False
     plaster: str = "cream"
     shuttered: float = 0.65
@@ -109,11 +80,6 @@ class House:
     windows: int = 0
     has_dormers: bool = False
     flowers: list[Array] = field(default_factory=list)
-
-    @property
-    def bays(self) -> int:
-        """Number of openings of a storey."""
-        return bays(self.size[0])
 
     @property
     def tall(self) -> float:
@@ -144,26 +110,7 @@ class House:
         self._steps()
         self.roof()
         if self.is_shop:
-            add_sign(self, wood)
-
-    def add(
-        self,
-        material: str,
-        at: tuple[float, float, float],
-        size: tuple[float, float, float],
-        lean: float = 0.0,
-        top: tuple[float, float] = (1.0, 1.0),
-    ) -> None:
-        """Add a box by its place along, over and before the facade; see `Carpentry.add`."""
-        self.carpentry.add(f"edging {material}", self.at(at), size, self.heading, lean, top)
-
-    def at(self, place: tuple[float, float, float]) -> Array:
-        """Return a point (3,) by its place along, over and before the facade [m]."""
-        along, up, before = place
-        c, s = np.cos(self.heading), np.sin(self.heading)
-        x = self.place[0] + c * along + s * before
-        z = self.place[1] - s * along + c * before
-        return np.array([x, self.level + up, z])
+            self.sign(wood)
 
     def _opening(self, storey: int, bay: int) -> Opening:
         bay_wide = self.size[0] / self.bays
@@ -209,7 +156,7 @@ class House:
                 "hewn stone", (middle, foot + opening.low - 0.05, 0.05), (wide + 0.36, 0.1, 0.24)
             )
             if opening.low < RAILED and opening.kind == "window":
-                add_rail(self, middle, foot + opening.low, wide)
+                self.rail(middle, foot + opening.low, wide)
             elif foot > 0.0 and self.flowery and self.rng.uniform() < 0.75:
                 self._flower_box(middle, foot + opening.low, wide)
         if opening.kind == "shop":
@@ -378,9 +325,9 @@ class House:
                     lean - 0.10,
                 )
         self.add("tile dark", (0.0, self.tall + rise + 0.1, -0.5 * deep), (over, 0.14, 0.26))
-        add_gutter(self, EAVES * along, EAVES * down)
+        self.gutter(self.tall - EAVES * down, EAVES * along)
         if self.has_dormers:
-            add_dormers(self, PITCH)
+            self.dormers(self.plaster, self.tall, PITCH)
         chimney = float(self.rng.choice((-0.3, 0.28, 0.4))) * wide
         self.add("brick", (chimney, self.tall + rise, -0.62 * deep), (0.8, 2.0, 0.55))
         self.add("hewn stone", (chimney, self.tall + rise + 1.0, -0.62 * deep), (0.92, 0.1, 0.67))
@@ -408,8 +355,3 @@ class House:
 def tall(storeys: int) -> float:
     """Return the height of a facade [m]."""
     return GROUND_STOREY + STOREY * (storeys - 1)
-
-
-def bays(wide: float) -> int:
-    """Return the number of openings of a storey of a house of a width [m]."""
-    return max(round(wide / BAY), 2)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.border import CLEAR, FOREGROUND, Border
-from pipeline.production.edging.facade import WINDOWS
-from pipeline.production.edging.house import MIXES, PLASTERS, House, bays, tall
+from pipeline.production.edging.facade import WINDOWS, bays
+from pipeline.production.edging.house import MIXES, PLASTERS, House, tall
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import pots
 from pipeline.production.edging.turned import ivy

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Literal
 
-from pipeline.production.scenery import clumps, conifers, grasses, herbs, stones, trees
+from pipeline.production.scenery import clumps, conifers, corals, grasses, herbs, stones, trees
 from pipeline.production.scenery.growth import Habitat
 from pipeline.production.scenery.prototype import Prototype
 
@@ -367,6 +367,17 @@ KINDS: dict[str, Species] = {
         ground=0.5,
         variants=6,
         is_stone=True,
+    ),
+    "coral": Species(
+        *(corals.coral, 0.5, "solid", 0.6, 0.35),
+        sizes=(0.5, 1.5),
+        levels=(5.0, 14.0),
+        near=14.0,
+        reach=60.0,
+        patch=3.5,
+        cover=0.3,
+        family="rubble",
+        variants=8,
     ),
 }
 """All species by name."""

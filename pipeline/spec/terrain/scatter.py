@@ -23,7 +23,7 @@ SPECIES = (
     *("daisy", "buttercup", "poppy", "cornflower", "dandelion", "clover"),
     *("fern", "heather", "moss cushion", "succulent", "mushroom", "leaves", "twigs"),
     *("bush", "scrub", "willow scrub", "oak", "birch", "acacia", "spruce"),
-    *("pebbles", "stone", "boulder"),
+    *("pebbles", "stone", "boulder", "coral"),
 )
 """Names of all species."""
 

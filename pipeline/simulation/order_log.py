@@ -14,6 +14,7 @@ from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders, Script, event_of
 from pipeline.simulation.take import NEVER_GIVEN, OrderRecord
 from pipeline.simulation.troupe import Facts
+from pipeline.spec.events import EVENTS
 from pipeline.spec.script import Do, When, order_text
 from pipeline.spec.verbs import GROUP, HOPPER, VERBS, WALKER, key_of_order
 
@@ -144,13 +145,5 @@ def _awaited_text(when: When) -> str:
     key = when.event
     value = getattr(when, key)
     names: Iterable[str] = [value] if isinstance(value, str) else value
-    text = " and ".join(names)
-    return {
-        "arrived": f"{text} never arrived",
-        "touch": f"{text} never touched",
-        "near": f"{text} never came within {when.within:g} m",
-        "fell": f"{text} never fell",
-        "at_rest": f"{text} never came to rest",
-        "hug": f"{text} never hugged",
-        "failed": f"{text} never failed" + (f" to {when.act}" if when.act else ""),
-    }[key]
+    act = f" to {when.act}" if when.act else ""
+    return EVENTS[key].never.format(names=" and ".join(names), within=when.within, act=act)

@@ -52,6 +52,9 @@ ANYTHING = TargetKind(frozenset(MEMBER_TEXTS) - {"many"}, "a member of the cast 
 ANYBODY = TargetKind(ANYTHING.kinds - {"place"}, "a member of the cast")
 EVENT_MEMBER = TargetKind((ANYBODY.kinds - {"group"}) | {"many"}, ANYBODY.text)
 EVENT_PLACE = TargetKind(ANYTHING.kinds | {"many"}, ANYTHING.text)
+FALLING = TargetKind(
+    EVENT_MEMBER.kinds - {"one of a group"}, "a member of the cast that is no group"
+)
 CHARACTER = TargetKind(frozenset(get_args(Kind)), "a character")
 JOINTED_CHARACTER = TargetKind(JOINTED, "a child, an adult or a ragdoll")
 BALL = TargetKind(frozenset({"ball"}), "a ball")

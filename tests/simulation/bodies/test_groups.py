@@ -418,7 +418,7 @@ def test_a_flock_as_a_target_is_where_its_members_are() -> None:
     ("script", "message"),
     [
         ("{at: 1, who: kid, do: {grab: camp}}", "'camp' is a group; name a prop, a body or"),
-        ("{at: 1, who: bug, do: {hop_over: camp.0}}", "'camp.0' is one of a group; name a"),
+        ("{when: {fell: camp}, who: kid, do: stop}", "name a member of the cast that is no group"),
         ("{when: {touch: [kid, camp]}, who: kid, do: stop}", "name one of them, such as camp.0"),
         ("{at: 1, who: bug, do: {hop_over: camp}}", "'camp' is a group; name a prop, a body or"),
         ("{at: 1, who: kid, do: {look_at: camp.x}}", "has no part 'x'"),

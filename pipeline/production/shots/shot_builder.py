@@ -28,6 +28,7 @@ from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
 from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.scatter_choice import ScatterChoice
+from pipeline.production.scenery.scenery_tally import SceneryTally
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.coarse_faces import with_coarse_faces
 from pipeline.production.shots.film_tracks import FilmTracks
@@ -191,6 +192,11 @@ class ShotBuilder:
         if self._water is None:
             return []
         return waders(self.take, self._skin, self.clock, self._water.level)
+
+    @property
+    def scattered(self) -> SceneryTally | None:
+        """How many plants and stones stand in the film, None where nothing is scattered."""
+        return self._standing.tally if self._scatter.wanted else None
 
     @property
     def _aspect(self) -> float:

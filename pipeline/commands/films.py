@@ -91,12 +91,20 @@ def frame(
     number: Annotated[int, typer.Argument(metavar="N", help="The frame, from 1.")],
     options: FrameOptions,
     preset: PresetOption = None,
+    whole: Annotated[
+        bool,
+        typer.Option("--whole", help="Simulate the whole film first, as its rendering does."),
+    ] = False,
 ) -> None:
-    """Render one frame."""
+    """Render one frame.
+
+    Only the film's start up to the frame is simulated, unless its whole take is stored.
+    """
     from pipeline.production.reports.stills import still
 
     reporter = options.reporter()
-    reporter.result(f"{still(options.frame_order(scene, preset), number, reporter)}")
+    order = options.frame_order(scene, preset)
+    reporter.result(f"{still(order, number, reporter, whole=whole)}")
 
 
 @with_options

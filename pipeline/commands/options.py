@@ -91,7 +91,7 @@ BackendOption = Annotated[
 class Verbosity:
     """Verbosity of a command."""
 
-    stopped: ClassVar[str] = "the same command goes on where it was"
+    stopped: ClassVar[str] = "the same command keeps what is finished and goes on"
     """Message after Ctrl-C."""
 
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print errors only.")] = False

@@ -17,6 +17,7 @@ from pipeline.simulation.event_detection import EventDetection
 from pipeline.simulation.event_monitor import EventMonitor
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.ground_places import GroundPlaces
+from pipeline.simulation.group_places import group_places
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import NodeAlias
 from pipeline.simulation.members import Members
@@ -113,7 +114,8 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     names = NodeNames.joined(recorder.nodes, aliases)
     pushed = pushed_troupe(troupes)
     falling = {node.performer for node in pushed.inventory.nodes} if pushed is not None else set()
-    members = Members(recorder, names, obstacles, places)
+    groups = group_places(scene, ground, names)
+    members = Members(recorder, names, obstacles, places, groups)
     attachments = list[Attachment]()
     with refusals.gathered():
         _refuse_unknown_parts(scene, members)

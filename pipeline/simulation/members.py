@@ -6,13 +6,13 @@ States are those of the last row that was written, one row before the step that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.convex_distance import box_distance, nearest_points
+from pipeline.simulation.group_places import GroupPlace, moving_group
+from pipeline.simulation.member_state import MemberState
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
@@ -23,67 +23,10 @@ from pipeline.spec.partial_scene import value_at
 from pipeline.spec.script import Instruction
 from pipeline.spec.verbs import VERBS, key_of_order, targets_of
 
+__all__ = ["MemberState", "Members", "goal_place", "members_named"]
+
 HEAD_PARTS = ("head",)
 """Parts that are looked at, in the order of preference."""
-
-
-@dataclass(frozen=True, eq=False)
-class MemberState:
-    """Place and extent of a member, of a part of one, or of a place.
-
-    Attributes:
-        centre: (3,) middle of its bounding box [m].
-        face: (3,) where others look at it: its head, or else its centre [m].
-        v: (3,) velocity of its root [m/s].
-        low, high: (3,) corners of its bounding box [m].
-        radius: of the vertical cylinder around it [m].
-        solids: corners (n, 3) of its convex solids [m].
-        loose: (n, 3) nodes without solids, such as the hands of people [m].
-        is_present: whether it exists now.
-    """
-
-    centre: Array
-    face: Array
-    v: Array
-    low: Array
-    high: Array
-    radius: float
-    solids: tuple[Array, ...] = ()
-    loose: Array = field(default_factory=lambda: np.empty((0, 3)))
-    is_present: bool = True
-
-    @staticmethod
-    def of_place(place: Array) -> MemberState:
-        """Returns the state of a point (3,) that never moves [m]."""
-        return MemberState(place, place, np.zeros(3), place, place, 0.0)
-
-    @property
-    def shapes(self) -> Iterator[Array]:
-        """Everything of it that can come near something: solids, nodes, or else its centre."""
-        yield from self.solids
-        yield from self.loose[:, None]
-        if not self.solids and not len(self.loose):
-            yield self.centre[None]
-
-    def gap(self, other: MemberState) -> float:
-        """Returns the distance between the upright cylinders around two members [m]."""
-        dx, _, dz = self.centre - other.centre
-        level = max(float(np.hypot(dx, dz)) - self.radius - other.radius, 0.0)
-        rise = max(float(other.low[1] - self.high[1]), float(self.low[1] - other.high[1]), 0.0)
-        return float(np.hypot(level, rise))
-
-    def nearest(self, place: Array) -> Array:
-        """Returns the point (3,) of its solids that is nearest to a place (3,) [m]."""
-        point, least = self.centre, np.inf
-        nearness = [(box_distance(solid, place[None]), k) for k, solid in enumerate(self.solids)]
-        for bound, k in sorted(nearness):
-            if bound >= least:
-                break
-            found, _ = nearest_points(self.solids[k], place[None])
-            distance = float(np.linalg.norm(found - place))
-            if distance < least:
-                point, least = found, distance
-        return point
 
 
 class Members:
@@ -94,6 +37,7 @@ class Members:
         names: of all nodes and parts.
         obstacles: computes the solids of all troupes.
         places: named places (3,) of the scene [m].
+        groups: places of the groups that stand or are carried.
     """
 
     def __init__(
@@ -102,8 +46,10 @@ class Members:
         names: NodeNames,
         obstacles: Callable[[], Sequence[Obstacle]],
         places: Mapping[str, Array],
+        groups: Mapping[str, GroupPlace],
     ) -> None:
         self._recorder, self._names, self._obstacles = recorder, names, obstacles
+        self._groups = groups
         self._places = {name: MemberState.of_place(place) for name, place in places.items()}
         self._row = 0
         self._states: dict[str, MemberState] = {}
@@ -174,8 +120,14 @@ class Members:
         return [solid for node in self._nodes_of(name) for solid in of_node.get(node, ())]
 
     def _measured(self, name: str) -> MemberState:
-        recorder, row, root = self._recorder, self._row, self.node(name)
+        recorder, row = self._recorder, self._row
+        if name in self._groups:
+            return self._groups[name].state(recorder, row, self._row_time)
         nodes = self._nodes_of(name)
+        if isinstance(self._names.find(name), str):
+            # Without a root: a flock, a school or a swarm.
+            return moving_group(recorder, row, self._row_time, nodes)
+        root = self.node(name)
         solids = tuple(corners for _, corners in self.solids(name))
         loose = [node for node in nodes if node not in self._solids_by_node()]
         points = np.concatenate(solids) if solids else recorder.positions[row, nodes]
@@ -205,9 +157,14 @@ class Members:
         recorder, row = self._recorder, self._row
         if row == 0:
             return np.zeros(3)
-        clock = recorder.clock
         moved = recorder.positions[row, node] - recorder.positions[row - 1, node]
-        return moved / (clock.dt * (clock.steps // clock.samples))
+        return moved / self._row_time
+
+    @property
+    def _row_time(self) -> float:
+        """Time between two rows [s]."""
+        clock = self._recorder.clock
+        return clock.dt * (clock.steps // clock.samples)
 
     def _nodes_of(self, name: str) -> list[int]:
         """Returns the nodes of a member, or the one node of a part or of one of many bodies."""

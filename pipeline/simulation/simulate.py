@@ -159,6 +159,7 @@ class Simulation:
             values=whole.values[rows],
             expressions=whole.expressions[rows],
             notes=(),
+            aliases=self.aliases,
         )
 
     def take(self) -> Take:

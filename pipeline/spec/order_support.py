@@ -29,6 +29,7 @@ from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import (
     EVENT_MEMBER,
     EVENT_PLACE,
+    FALLING,
     GRASPABLE,
     JOINTED_CHARACTER,
     MEMBER_TEXTS,
@@ -299,7 +300,7 @@ def faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[Fa
                     name, "", fitting, (*path, key, k), named.cast, named.places
                 )
     for key in ("fell", "at_rest"):
-        yield from faults_of_target(value_at(when, key), "", EVENT_MEMBER, (*path, key), named.cast)
+        yield from faults_of_target(value_at(when, key), "", FALLING, (*path, key), named.cast)
     # A scene that is written in full has the default beside other events.
     is_given = value_at(when, "within") not in (None, NEAR_DISTANCE)
     if is_given and value_at(when, "near") is None:

@@ -20,6 +20,7 @@ MEMBER_TEXTS: Mapping[str, str] = {
     "creature": "a creature",
     "dancer": "a dancer",
     "group": "a group",
+    "one of a group": "one of a group",
     "many": "many bodies",
     "prop": "a prop",
     "body": "a body",
@@ -47,12 +48,13 @@ class TargetKind:
 THINGS = frozenset({"ball", "merry-go-round", "box", "bench", "prop", "body"})
 JOINTED = frozenset({*PEOPLE, "ragdoll"})
 
-ANYTHING = TargetKind(
-    frozenset(MEMBER_TEXTS) - {"group", "many"}, "a member of the cast or a place"
-)
+ANYTHING = TargetKind(frozenset(MEMBER_TEXTS) - {"many"}, "a member of the cast or a place")
 ANYBODY = TargetKind(ANYTHING.kinds - {"place"}, "a member of the cast")
-EVENT_MEMBER = TargetKind(ANYBODY.kinds | {"many"}, ANYBODY.text)
+EVENT_MEMBER = TargetKind((ANYBODY.kinds - {"group"}) | {"many"}, ANYBODY.text)
 EVENT_PLACE = TargetKind(ANYTHING.kinds | {"many"}, ANYTHING.text)
+FALLING = TargetKind(
+    EVENT_MEMBER.kinds - {"one of a group"}, "a member of the cast that is no group"
+)
 CHARACTER = TargetKind(frozenset(get_args(Kind)), "a character")
 JOINTED_CHARACTER = TargetKind(JOINTED, "a child, an adult or a ragdoll")
 BALL = TargetKind(frozenset({"ball"}), "a ball")
@@ -70,7 +72,7 @@ RIDEABLE = TargetKind(
     frozenset({"box", "cube", "brick", "cylinder"}),
 )
 CAROUSEL = TargetKind(frozenset({"merry-go-round"}), "a merry-go-round")
-OBSTACLE = TargetKind(ANYBODY.kinds, "a prop, a body or a creature")
+OBSTACLE = TargetKind(ANYBODY.kinds - {"group", "one of a group"}, "a prop, a body or a creature")
 
 
 def kind_of_target(member: object) -> str:
@@ -115,11 +117,14 @@ def faults_of_target(
 def _mismatch(name: str, part: str, member: object, fitting: TargetKind) -> str | None:
     """Return why a member is no target of a kind, None if it is one."""
     kind = kind_of_target(member)
-    if kind in ("group", "many") and kind not in fitting.kinds:
+    if kind == "many" and kind not in fitting.kinds:
         # Whether one of many exists is known when they are built.
-        example = f"{name}_1" if kind == "many" else f"{name}.0"
-        several = MEMBER_TEXTS[kind]
-        return None if part else f"'{name}' is {several}; name one of them, such as {example}"
+        several = f"'{name}' is {MEMBER_TEXTS[kind]}"
+        return None if part else f"{several}; name one of them, such as {name}_1"
+    if kind == "group" and part:
+        kind, name = "one of a group", f"{name}.{part}"
+    if kind == "group" and kind not in fitting.kinds and "one of a group" in fitting.kinds:
+        return f"'{name}' is a group; name one of them, such as {name}.0"
     if kind not in (*fitting.kinds, UNKNOWN):
         return f"'{name}' is {MEMBER_TEXTS[kind]}; name {fitting.text}"
     shape = value_at(value_at(member, kind), "shape") if fitting.shapes else None

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from render.airborne.picture_area import picture_area
 from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
-from render.airborne.precipitation import Precipitation
+from render.airborne.precipitation import OpenLens, Precipitation
 from render.airborne.puffs import Puffs
 from render.config import Weather
 from render.frame import Image, LightLayers
@@ -176,8 +176,12 @@ def airborne_contents(
     camera = np.array(moment.camera.p_WC)
     flames = [plume for plume in moment.plumes if plume.kind == "flame"][:MAX_FLAMES]
     near = sorted(moment.plumes, key=lambda p: float(np.linalg.norm(np.array(p.p_WP) - camera)))
+    falling = None
+    if weather.falls:
+        lens = OpenLens.of(moment.camera)
+        falling = Precipitation.of(weather, ambient, lit.key, moment.time, lens)
     return Contents(
-        Precipitation.of(weather, ambient, lit.key, moment.time) if weather.falls else None,
+        falling,
         tuple(PlumeVolume(plume, lit, flames, moment.time) for plume in near),
         Puffs.of(moment.puffs, lit) if moment.puffs else None,
     )

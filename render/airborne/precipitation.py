@@ -7,7 +7,8 @@ where. Each ray meets the planes before its surface one after the other. Farther
 apart and hold larger clusters, which stand for all drops between.
 
 An image of a drop is as wide as the drop or the pixel, whichever is more, and fainter by their
-ratio, so that nothing sparkles.
+ratio, so that nothing sparkles. Out of focus it is as wide as its circle of confusion, seen from
+the middle of the lens: few rays from all over a lens would draw a near drop as single dots.
 
 Sources: P. Rousseau et al., Realistic real-time rain rendering, 2006, for streaks as long as a
     drop falls while one sees it, which refract the sky; K. Garg and S. Nayar, Photorealistic
@@ -22,10 +23,15 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from render.config import Weather
 from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice
+from render.shot import CameraPose
+
+BLURRED = 1.5
+"""Width of what is out of focus, in radii of its circle of confusion, as that of a pixel counts."""
 
 SEEN = 1 / 45
 """Time over which one sees a drop at once [s]."""
@@ -94,6 +100,49 @@ _SPLASH_REACH = 14.0
 """Distance from the camera at which splashes have vanished [m]."""
 
 
+@dataclass(frozen=True)
+class OpenLens:
+    """A lens that blurs what is out of its focus, opaque to recordings.
+
+    Attributes:
+        middle: of the lens [m].
+        axis: its viewing direction.
+        radius: of its aperture [m].
+        focus: distance of the plane of focus along the axis [m].
+    """
+
+    middle: Any
+    axis: Any
+    radius: Any
+    focus: Any
+
+    @staticmethod
+    def of(camera: CameraPose) -> OpenLens | None:
+        """Return the lens of a camera, None of a pinhole."""
+        if camera.lens is None:
+            return None
+        middle = np.array(camera.p_WC, float)
+        axis = np.array(camera.p_WT, float) - middle
+        lens = OpenLens(
+            mi.Point3f(*middle.tolist()),
+            mi.Vector3f(*(axis / np.linalg.norm(axis)).tolist()),
+            mi.Float(camera.lens.radius),
+            mi.Float(camera.lens.focus),
+        )
+        dr.make_opaque(lens.middle, lens.axis, lens.radius, lens.focus)
+        return lens
+
+    def central(self, ray: Any) -> Any:
+        """Return the ray from the middle of the lens to where a ray meets the plane of focus."""
+        ahead = dr.dot(ray.d, self.axis)
+        far = (self.focus - dr.dot(ray.o - self.middle, self.axis)) / ahead
+        return mi.Ray3f(self.middle, dr.normalize(ray.o + far * ray.d - self.middle))
+
+    def blur(self, distance: Any) -> Any:
+        """Return the radius that a point has at a distance, as seen there [m]."""
+        return self.radius * dr.abs(1.0 - distance / self.focus)
+
+
 @dataclass
 class Precipitation:
     """What falls at one moment, opaque to recordings.
@@ -103,6 +152,7 @@ class Precipitation:
         rain_light, snow_light: radiance of drops and flakes.
         wind: near the ground, along x and z [m/s].
         time: since the film began [s].
+        lens: of the camera, None of a pinhole.
     """
 
     rain: mi.Float
@@ -113,9 +163,16 @@ class Precipitation:
     time: mi.Float
     has_rain: bool
     has_snow: bool
+    lens: OpenLens | None = None
 
     @staticmethod
-    def of(weather: Weather, ambient: Vector, key: Vector, time: float) -> Precipitation:
+    def of(
+        weather: Weather,
+        ambient: Vector,
+        key: Vector,
+        time: float,
+        lens: OpenLens | None = None,
+    ) -> Precipitation:
         """Return what falls.
 
         Args:
@@ -123,6 +180,7 @@ class Precipitation:
             ambient: (3,) mean radiance from all directions.
             key: (3,) irradiance of the key light on a plane that faces it.
             time: since the film began [s].
+            lens: of the camera, None of a pinhole.
         """
         # Drops show the bright sky behind and above; flakes are white spheres.
         rain = 1.6 * ambient + 0.03 * key
@@ -136,6 +194,7 @@ class Precipitation:
             mi.Float(time),
             weather.rain > 0.0,
             weather.snow > 0.0,
+            lens,
         )
         dr.make_opaque(made.rain, made.snow, made.rain_light, made.snow_light)
         dr.make_opaque(made.wind, made.time)
@@ -150,6 +209,8 @@ class Precipitation:
             pixel_angle: width of a pixel [rad].
         """
         passed, light = mi.Float(1.0), mi.Color3f(0.0)
+        if self.lens is not None:
+            ray = self.lens.central(ray)
         if self.has_rain:
             through = self._through(RAIN, self.rain, ray, distance, pixel_angle)
             passed, light = through, self.rain_light * (1.0 - through)
@@ -182,6 +243,8 @@ class Precipitation:
         z = 0.3 + 0.4 * lattice(a, b, turn + 2)
         away = _SPLASH_CELL * _length(column - i - x, row - j - z)
         pixel = pixel_angle * distance
+        if self.lens is not None:
+            pixel += self.lens.blur(distance)
         size = 0.4 + 0.9 * dr.square(lattice(a, b, turn + 3))
         ring = size * (0.008 + 0.034 * age)
         width = 0.007 + 0.6 * pixel
@@ -236,12 +299,15 @@ class Precipitation:
             t = (plane * layer.apart - o) / safe
             u = origin[along] + way[along] * t
             y = ray.o.y + ray.d.y * t + kind.speed * self.time
+            pixel = pixel_angle * t
+            if self.lens is not None:
+                pixel += BLURRED * self.lens.blur(t)
             shown = grid.opacity(
                 mi.UInt32(mi.Int32(plane)),
                 (u, y),
                 slant,
                 amount,
-                (t, pixel_angle, self.time, lean_aside),
+                (pixel, self.time, lean_aside),
             )
             # Layers fade into one another, and what touches the lens is not there.
             edge = dr.clip((t - layer.nearest) / (0.25 * layer.nearest), 0.0, 1.0)
@@ -274,7 +340,7 @@ class _Grid:
     def opacity(self, plane: Any, place: Any, slant: Any, amount: Any, view: Any) -> Any:
         """Return how much is hidden at a place of a plane."""
         kind, layer = self.kind, self.layer
-        t, pixel_angle, time, lean_aside = view
+        pixel, time, lean_aside = view
         u, y = place
         wide, high = layer.cell
         # Columns are shifted against one another, or rows of drops would show.
@@ -286,7 +352,6 @@ class _Grid:
         b = mi.UInt32(mi.Int32(row)) + mi.UInt32(7919) * plane
         salt = 4 * self.salt
         is_there = lattice(a, b, mi.UInt32(salt)) < amount
-        pixel = pixel_angle * t
         sway = kind.sway * dr.sin(2.1 * time + 6.3 * shift) if kind.sway else 0.0
         aside = (u / wide - column - 0.2 - 0.6 * lattice(a, b, mi.UInt32(salt + 1))) * wide - sway
         if layer.length:

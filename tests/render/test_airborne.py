@@ -67,6 +67,37 @@ def test_more_rain_hides_more(backend: Backend) -> None:
     assert 1 - heavy > 2 * (1 - light_rain) > 0
 
 
+def seen_from(aside: float, lens: Lens | None) -> np.ndarray:
+    """Return what passes along a fan of rays from a place of a lens to the same places in focus."""
+    import mitsuba as mi
+
+    from render.airborne.precipitation import OpenLens, Precipitation
+
+    camera = CameraPose((0.13, 2.0, 0.21), (0.13, 2.0, 9.0), lens=lens)
+    falling = Precipitation.of(Weather(rain=0.8), np.ones(3), np.zeros(3), 1.3, OpenLens.of(camera))
+    angle = np.linspace(-0.5, 0.5, RAYS)
+    origin = np.array([0.13 + aside, 2.0, 0.21])
+    d = np.stack([0.13 + 4.0 * np.tan(angle), np.full(RAYS, 2.05), np.full(RAYS, 4.21)])
+    d -= origin[:, None]
+    d /= np.linalg.norm(d, axis=0)
+    ray = mi.Ray3f(mi.Point3f(*origin.tolist()), mi.Vector3f(d.astype(np.float32)))
+    distance = mi.Float(np.full(RAYS, 3.5, np.float32))
+    share, _ = falling.seen(ray, distance, mi.Float(0.002))
+    return np.array(share)
+
+
+def test_near_rain_is_the_same_from_all_over_an_open_lens(backend: Backend) -> None:
+    lens = Lens(0.02, 4.0)
+    middle, rim = (seen_from(aside, lens) for aside in (0.0, 0.018))
+    np.testing.assert_allclose(rim, middle, atol=5e-3)
+    # Through a pinhole they are other rays, which meet other drops.
+    sharp, shifted = (seen_from(aside, None) for aside in (0.0, 0.018))
+    assert abs(shifted - sharp).max() > 0.02
+    # Drops out of focus are wider and fainter, and hide as much together.
+    assert 1 - middle.min() < 0.9 * (1 - sharp.min())
+    assert (1 - middle).mean() == pytest.approx((1 - sharp).mean(), rel=0.3)
+
+
 def test_layers_are_dimmed_and_lit(backend: Backend) -> None:
     from render.airborne.airborne_pass import AirborneExposure
 

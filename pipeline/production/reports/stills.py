@@ -14,7 +14,7 @@ from PIL import Image
 from pipeline.errors import UsageError
 from pipeline.production.run.exposure_stage import expose
 from pipeline.production.run.frame_ranges import counted
-from pipeline.production.run.frame_stage import note_levels, shooting_of
+from pipeline.production.run.frame_stage import early_shooting_of, note_levels, shooting_of
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.progress import Reporter, stage
@@ -38,8 +38,15 @@ THUMBNAIL_SCALE = 1.5
 """Pixels of a thumbnail per pixel of a plot, whose PNG is enlarged as much."""
 
 
-def still(order: Order, number: int, reporter: Reporter) -> Path:
+def still(order: Order, number: int, reporter: Reporter, *, whole: bool = False) -> Path:
     """Render one frame into the outputs and return its file.
+
+    Args:
+        order: settings of the run.
+        number: of the frame, 1-based.
+        reporter: of progress.
+        whole: whether to simulate the whole film, so that the frame is as in the film; otherwise
+            as much of it as the frame needs to be looked at.
 
     Raises:
         UsageError: the scene has no such frame.
@@ -49,7 +56,8 @@ def still(order: Order, number: int, reporter: Reporter) -> Path:
     if not 1 <= number <= last:
         raise UsageError(f"frame {number}: the scene has frames 1-{last}")
     with working(order, reporter) as run:
-        return _stills(run, [number])[0]
+        shooting = shooting_of(run) if whole else early_shooting_of(run, number)
+        return _stills(run, [number], shooting)[0]
 
 
 def sheet(order: Order, count: int, columns: int, reporter: Reporter) -> Path:
@@ -62,7 +70,7 @@ def sheet(order: Order, count: int, columns: int, reporter: Reporter) -> Path:
         raise UsageError("a sheet is made of PNG frames; take film.format=exr away")
     frames = spread(order.scene.n_frames, count)
     with working(order, reporter) as run:
-        files = _stills(run, frames)
+        files = _stills(run, frames, shooting_of(run))
         place = run.outputs.folder / f"{order.name}_sheet.png"
         picture = laid_out([read_png(file) for file in files], columns)
         write_png(place, picture, "sheet")
@@ -90,12 +98,12 @@ def laid_out(pictures: Sequence[NDArray[np.uint8]], columns: int) -> NDArray[np.
     return paper
 
 
-def _stills(run: SceneRun, frames: Sequence[int]) -> list[Path]:
+def _stills(run: SceneRun, frames: Sequence[int], shooting: ShotBuilder) -> list[Path]:
     """Render those of `frames` that are due, and return the files of all."""
     run.frames = tuple(frames)
-    shooting = shooting_of(run)
     files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
-    with stage(run.reporter, "render", len(frames)) as current:
+    unit = "frame" if len(frames) == 1 else "frames"
+    with stage(run.reporter, "render", len(frames), unit) as current:
 
         def rendered(backend: Backend) -> None:
             with held_back():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pipeline.production.run.early_take import early_take
 from pipeline.production.run.exposure_stage import expose
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.interrupts import held_back
@@ -34,6 +35,19 @@ def shooting_of(run: SceneRun) -> ShotBuilder:
     run.refuse_notes()
     enter_cuts(run, shooting)
     return shooting
+
+
+def early_shooting_of(run: SceneRun, number: int) -> ShotBuilder:
+    """Return the shots for one frame, from a take of which only the start may be simulated.
+
+    Then there are no notes on the film: what it does after the start is not known.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict.
+        SimulationError: the scene cannot be simulated.
+    """
+    take = None if run.order.strict else early_take(run, number)
+    return shooting_of(run) if take is None else ShotBuilder(run.order.scene, take)
 
 
 def enter_cuts(run: SceneRun, shooting: ShotBuilder) -> None:

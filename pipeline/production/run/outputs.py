@@ -102,6 +102,11 @@ class Outputs:
         return self.folder / "take_refused.zarr"
 
     @property
+    def early_take(self) -> Path:
+        """The start of a take, with which single frames were looked at."""
+        return self.folder / "take_early.zarr"
+
+    @property
     def lock(self) -> Path:
         """File that is locked while a run is at work."""
         return self.folder / ".lock"

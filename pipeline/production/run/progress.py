@@ -111,13 +111,20 @@ class Stage:
         """What is done of all there is to do, such as "12 of 144 frames"."""
         if self.scale == 1.0:
             return f"{self.done} of {self.total} {self.unit}".rstrip()
-        return f"{self.done * self.scale:.1f} of {self.total * self.scale:g} {self.unit}"
+        return f"{self.done * self.scale:.1f} of {self.whole}"
+
+    @property
+    def whole(self) -> str:
+        """All there is to do, such as "144 frames"."""
+        return f"{round(self.total * self.scale, 1):g} {self.unit}".rstrip()
 
     @property
     def time_text(self) -> str:
         """The time left, or the time since the start before it is known."""
         eta = self.eta
-        return duration_text(self.seconds) if eta is None else f"{duration_text(eta)} left"
+        if eta is None:
+            return f"{duration_text(self.seconds)} so far"
+        return f"{duration_text(eta)} left"
 
 
 @dataclass(slots=True)

@@ -51,8 +51,7 @@ class LogReporter(Reporter):
         """Write a line if there is more than one thing to do."""
         self._next[id(stage)] = time.monotonic() + MIN_LOG_INTERVAL
         if stage.total > 1:
-            whole = f"{stage.total * stage.scale:g} {stage.unit}".rstrip()
-            self._print(f"{stage.label}: {whole} to do")
+            self._print(f"{stage.label}: {stage.whole} to do")
 
     def advance(self, stage: Stage) -> None:
         """Write a line for the first estimate, and some until the end."""

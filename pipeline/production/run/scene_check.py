@@ -13,6 +13,7 @@ from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import clock_of, foreseen_notes, refuse_notes, take_notes
+from pipeline.production.run.outdoors_summary import scatter_text, sun_text
 from pipeline.production.run.picture_notes import shooting_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -58,19 +59,22 @@ def check_scene(
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)
     camera_parents(scene, names)
     focus_nodes(scene, names)
-    notes = notes_after_end(scene)
+    notes, tally = notes_after_end(scene), None
     if simulated:
         take = _take_of(simulation, scene.n_frames, reporter)
         # What the renderer needs of a take can be wrong too.
         shooting = ShotBuilder(scene, take)
         notes += take_notes(take, clock_of(scene)) + shooting_notes(scene, shooting)
+        tally = shooting.scattered
     else:
         notes += foreseen_notes(simulation.foreseen_notes(), clock_of(scene))
     if strict:
         refuse_notes(notes)
     if notes:
         reporter.notes(name, notes, None)
-    return _summary(scene, simulation) + ("" if simulated else _unchecked_poses(scene))
+    outdoors = (sun_text(scene.light), scatter_text(scene, tally))
+    told = [_summary(scene, simulation), *filter(None, outdoors)]
+    return "; ".join(told) + ("" if simulated else _unchecked_poses(scene))
 
 
 def _take_of(simulation: Simulation, frames: int, reporter: Reporter) -> Take:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pipeline.atomic_file import PARTIAL, remove, replace_folder
@@ -39,7 +39,7 @@ def take_of(run: SceneRun) -> Take:
     key = take_key(scene)
     run.notes = notes_after_end(scene)
     with stage(run.reporter, "simulate", scene.n_frames, "s", float(1 / scene.rate)) as current:
-        stored = _stored_take(run, key)
+        stored = _whole_take(run, key)
         if stored is not None:
             current.keep(scene.n_frames)
             current.result = "take is up to date"
@@ -64,7 +64,7 @@ def take_of(run: SceneRun) -> Take:
             run.refuse_notes()
         except NotesRefused:
             # It need not be simulated again, and earlier outputs stay.
-            _write_take(take, run.outputs.refused_take)
+            write_stored(take, run.outputs.refused_take)
             run.records.add(run.outputs.refused_take, key)
             raise
         run.record_time(current)
@@ -74,8 +74,9 @@ def take_of(run: SceneRun) -> Take:
 
 def store_take(run: SceneRun, take: Take) -> None:
     """Store a take in place of an earlier one, and describe it in the manifest."""
-    _write_take(take, run.outputs.take)
+    write_stored(take, run.outputs.take)
     remove(run.outputs.refused_take)
+    remove(run.outputs.early_take)
     _remove_cues(run, take.header.key)
     run.records.add(run.outputs.take, take.header.key)
     run.describe(take)
@@ -93,7 +94,7 @@ def adopt_take(run: SceneRun, key: str, fetch: Callable[[Path], None]) -> Take:
         NotesRefused: there are notes and the order is strict.
     """
     run.notes = notes_after_end(run.order.scene)
-    take = _stored_take(run, key)
+    take = _whole_take(run, key)
     if take is None:
         new = run.outputs.take.with_name(f".{run.outputs.take.name}{PARTIAL}")
         remove(new)
@@ -121,15 +122,29 @@ def _remove_cues(run: SceneRun, key: str) -> None:
     run.records.update(*cues)
 
 
-def _write_take(take: Take, place: Path) -> None:
+def write_stored(take: Take, place: Path) -> None:
+    """Write a take to a place among the outputs, whole or not at all."""
     new = place.with_name(f".{place.name}{PARTIAL}")
     write_take(take, new)
     replace_folder(new, place)
 
 
-def _stored_take(run: SceneRun, key: str) -> Take | None:
-    """Return the take that an earlier run stored under `key`, None if there is none."""
-    for place in (run.outputs.take, run.outputs.refused_take):
+def kept_take(run: SceneRun, key: str) -> bool:
+    """Return whether the whole take of a key seems to be stored."""
+    try:
+        return key in map(read_key, (run.outputs.take, run.outputs.refused_take))
+    except Exception:
+        # A damaged file can raise anything, and a take can be made again.
+        return False
+
+
+def _whole_take(run: SceneRun, key: str) -> Take | None:
+    return stored_take(run, key, (run.outputs.take, run.outputs.refused_take))
+
+
+def stored_take(run: SceneRun, key: str, places: Sequence[Path]) -> Take | None:
+    """Return the take that an earlier run stored under `key` in a place, None if there is none."""
+    for place in places:
         try:
             if read_key(place) == key:
                 take = read_take(place)

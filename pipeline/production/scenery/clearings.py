@@ -16,9 +16,9 @@ from scipy.ndimage import (
     map_coordinates,
 )
 
-from pipeline.production.shots.skinning import Skin
+from pipeline.production.shots.skinning import Skin, spread_vertices, visible_parts
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Take
+from pipeline.simulation.take import Mesh, Take
 from pipeline.simulation.terrain.heightfield import surface_of_vertices
 
 Mask = NDArray[np.bool_]
@@ -26,11 +26,17 @@ Mask = NDArray[np.bool_]
 REACH = 2.5
 """Height below which a performer's parts keep the ground clear [m]."""
 
-LOW = 0.12
-"""Height below which grass stands in the way of what stays there [m]."""
+LOW = 0.6
+"""Height below which grass stands in the way of what stays there, such as a seat [m]."""
 
 STAYS = 0.5
-"""Share of the moments for which something stays where no grass shall be."""
+"""Share of the moments for which an outline stays that encloses bare ground."""
+
+LINGERS = 0.3
+"""Share of the moments for which something is where no grass shall be: it may have sat down."""
+
+SCORCHED = 0.2
+"""Width of the bare ground around a fire [m]."""
 
 BORDER = 6.0
 """Distance around all performers up to which distances are known [m]."""
@@ -46,11 +52,18 @@ UNDER = 0.6
 COARSE = 0.25
 """Side of the cells in which outlines are found [m], wider than the steps between their points."""
 
+GAP = 2
+"""Half of the widest gap between points that is no gap in what they are of [cells]."""
+
 POINTS = 40
 """Vertices of a part that are looked at."""
 
 OUTLINE_POINTS, ALL_POINTS = 400, 12_000
-"""Most vertices of a part in which outlines are sought, and about how many of all parts."""
+"""Most vertices of a part in which outlines are sought or which are spread over its faces, and
+about how many of all parts."""
+
+LARGE_FACE = 0.2
+"""Side of a face over which points are spread [m]: a bench has vertices at its ends alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,16 +85,22 @@ class Clearings:
     UNIT = 0.05
 
     @staticmethod
-    def of(take: Take) -> Clearings | None:
-        """Return the clearings of a take, None of one without visible performers."""
+    def of(take: Take, hearths: Array | None = None) -> Clearings | None:
+        """Return the clearings of a take, None of one without visible performers.
+
+        Args:
+            take: of the performers.
+            hearths: (n, 3) x, z and radius of fires on the ground [m].
+        """
         if not take.parts:
             return None
         points = _low_points(take, POINTS)
         kept = [p for p in points if len(p)]
         if not kept:
             return None
-        every = np.concatenate(kept)
-        low, high = every[:, :2].min(axis=0) - BORDER, every[:, :2].max(axis=0) + BORDER
+        burning = np.zeros((0, 3)) if hearths is None else hearths
+        every = np.concatenate([*(moment[:, :2] for moment in kept), burning[:, :2]])
+        low, high = every.min(axis=0) - BORDER, every.max(axis=0) + BORDER
         cell = max(LEAST_CELL, float((high - low).max()) / MAX_SIDE)
         columns, rows = np.ceil((high - low) / cell).astype(int) + 1
         used = np.zeros((rows, columns), bool)
@@ -93,12 +112,16 @@ class Clearings:
             near = moment[:, 2] < LOW
             here[j[near], i[near]] = True
             stays += here
+        scorched = _discs(burning, low, used.shape, cell)
+        used |= scorched
         distance = np.minimum(distance_transform_edt(~used) * cell / Clearings.UNIT, 255)
         return Clearings(
             (float(low[0]), float(low[1])),
             cell,
             distance.astype(np.uint8),
-            (stays > STAYS * len(points)) | _enclosed(_outlines(take), low, used.shape, cell),
+            binary_dilation(binary_closing(stays > LINGERS * len(points), iterations=GAP))
+            | _enclosed(_outlines(take), low, used.shape, cell)
+            | scorched,
         )
 
     def distance(self, x: Array, z: Array) -> Array:
@@ -165,9 +188,21 @@ def _outlines(take: Take) -> list[Array]:
     return _low_points(take, max(POINTS, min(ALL_POINTS // len(take.parts), OUTLINE_POINTS)))
 
 
+def _discs(hearths: Array, low: Array, shape: tuple[int, int], cell: float) -> Mask:
+    """Return the cells (rows, columns) of fires (n, 3) and of the scorched ground around them."""
+    covered = np.zeros(shape, bool)
+    z, x = (np.arange(count) * cell + low[k] for count, k in zip(shape, (1, 0), strict=True))
+    for at_x, at_z, radius in hearths:
+        covered |= np.hypot(x[None] - at_x, z[:, None] - at_z) < radius + SCORCHED
+    return covered
+
+
 def _low_points(take: Take, each: int) -> list[Array]:
     """Return of moments of a take x, z and height over the ground (N, 3) of parts that are low."""
-    skin = Skin.of(take).thinned(each)
+    parts = visible_parts(take)
+    spread = max(POINTS, min(ALL_POINTS // max(len(parts), 1), OUTLINE_POINTS))
+    meshes = [_with_points(take.meshes[part.seen], each, spread) for part in parts]
+    skin = Skin.of_meshes(take, meshes)
     ground = surface_of_vertices(take.terrain.vertices, take.terrain.cells)
     rows = len(take.positions)
     stride = max(take.header.samples // 2, -(-rows // MAX_MOMENTS))
@@ -179,3 +214,38 @@ def _low_points(take: Take, each: int) -> list[Array]:
         is_low = (height < REACH) & (p != 0.0).any(axis=1)
         result.append(np.stack([p[is_low, 0], p[is_low, 2], height[is_low]], axis=-1))
     return result
+
+
+def _with_points(mesh: Mesh, most: int, spread: int) -> Mesh:
+    """Return some vertices of a mesh and points all over its large faces.
+
+    Args:
+        mesh: of a part.
+        most: vertices, about.
+        spread: points over its large faces, about.
+    """
+    vertices = np.asarray(mesh.vertices, float)
+    some = spread_vertices(vertices, most)
+    points, owners = [vertices[some]], [some]
+    corners = vertices[mesh.faces]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(axis=1)
+    large = np.flatnonzero(longest > LARGE_FACE)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * float(np.linalg.norm(normals[large], axis=-1).sum())
+    spacing = max(LEAST_CELL, float(np.sqrt(area / spread)))
+    for k in large.tolist():
+        count = max(int(longest[k] / spacing), 1)
+        i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+        inside = i + j <= count
+        share = np.stack([i[inside], j[inside], (count - i - j)[inside]], axis=-1) / count
+        points.append(share @ corners[k])
+        owners.append(np.full(len(share), int(mesh.faces[k, 0])))
+    every, owner = np.concatenate(points), np.concatenate(owners)
+    # Narrow faces, as of bevels, have many in one place.
+    _, kept = np.unique(np.round(every / spacing), axis=0, return_index=True)
+    return _bare(mesh, every[kept], owner[kept])
+
+
+def _bare(mesh: Mesh, points: Array, owners: NDArray[np.int64]) -> Mesh:
+    """Return a mesh of points (N, 3) that follow the nodes of its vertices `owners` (N,)."""
+    return Mesh(points.astype(np.float32), mesh.faces, mesh.nodes[owners], mesh.weights[owners])

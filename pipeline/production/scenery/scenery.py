@@ -75,27 +75,23 @@ def budget(detail: float, path_length: float = 0.0) -> int:
     return round(BUDGET * detail**1.5 * longer)
 
 
-def scenery_meshes(
+def placed_scenery(
     ground: GroundSurface,
     view: FilmView,
     clearings: Clearings | None,
     scatter: ScatterChoice,
-    treads: Treads,
-    wind: tuple[float, float],
     growth: Growth,
     detail: float,
     also: Sequence[Placed] = (),
     plots: Sequence[Plot] = (),
-) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
-    """Return the plants and stones that the cameras of a film see, still and trodden ones.
+) -> list[Placed]:
+    """Return the plants and stones that the cameras of a film see.
 
     Args:
         ground: on which they stand.
         view: of the film.
         clearings: of the performers, None without any.
         scatter: the species.
-        treads: of the performers.
-        wind: near the ground, along x and z [m/s].
         growth: where plants thrive in the scene.
         detail: 1 for frames 1280 pixels wide.
         also: what stands there besides.
@@ -113,6 +109,20 @@ def scenery_meshes(
     rest = max(most - along, round(LEAST_REST * most))
     every = [*thinned(fitted, rest, detail), *asked, *also]
     _check_size(every, detail)
+    return every
+
+
+def scenery_meshes(
+    every: Sequence[Placed], treads: Treads, wind: tuple[float, float], detail: float
+) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+    """Return the meshes of placed plants and stones, still and trodden ones.
+
+    Args:
+        every: what is placed.
+        treads: of the performers.
+        wind: near the ground, along x and z [m/s].
+        detail: 1 for frames 1280 pixels wide.
+    """
     still, trodden = split_trodden(every, treads, detail)
     return meshes(still, detail, wind), TroddenCover.of(trodden, treads, wind, detail)
 

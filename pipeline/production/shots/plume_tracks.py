@@ -17,6 +17,7 @@ from pipeline.production.shots.skinning import interpolated_poses
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 from pipeline.spec.group import Fire, Group
 from pipeline.spec.scene import Scene
 from render.color import linear
@@ -40,6 +41,9 @@ _FLICKER, _FLICKER_RATE = 0.32, 7.0
 """Amplitude and frequency of the flickering [Hz]."""
 _BEHIND = 0.55
 """Share of the motion of a torch that its flames lag behind."""
+
+HEARTH_HEIGHT = 0.3
+"""Height of a fire over the ground below which nothing grows under it [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +118,18 @@ class PlumeTracks:
     def performers(self) -> frozenset[str]:
         """Names of the groups whose flames are not shown one by one."""
         return frozenset(source.performer for source in self.sources)
+
+    def hearths(self, take: Take) -> Array:
+        """Return x, z and radius (n, 3) of the fires that burn on the ground [m]."""
+        ground = surface_of_vertices(take.terrain.vertices, take.terrain.cells)
+        flames = [s for s in self.sources if s.plume.kind == "flame" and s.node < 0]
+        found = [
+            (x, z, source.plume.radius)
+            for source in flames
+            for x, y, z in [source.place.tolist()]
+            if y - float(ground.height(np.array(x), np.array(z))) < HEARTH_HEIGHT
+        ]
+        return np.array(found, float).reshape(-1, 3)
 
     def placed(self, take: Take, at: float) -> tuple[Plume, ...]:
         """Return the plumes at a row of the take or between two."""

@@ -28,6 +28,7 @@ from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
 from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.scatter_choice import ScatterChoice
+from pipeline.production.scenery.scenery_tally import SceneryTally
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.coarse_faces import with_coarse_faces
 from pipeline.production.shots.film_tracks import FilmTracks
@@ -109,6 +110,7 @@ class ShotBuilder:
         cameras = tuple(decision.camera for decision in decisions)
         # With the cuts of a director in place of its `auto`.
         self.scene = self._scene = scene = scene.model_copy(update={"camera": cameras})
+        self._plumes = PlumeTracks.of(scene, take)
         self.tracks = tracks or self._computed_tracks(decisions)
         self._interpolator = PoseInterpolator(
             self.tracks.poses, first_frames(scene.camera, header.rate)
@@ -131,7 +133,6 @@ class ShotBuilder:
         self._coats = self._grown_coats()
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
-        self._plumes = PlumeTracks.of(scene, take)
         ground = self.materials[take.terrain.material]
         self._puffs = PuffTracks.of(take, ground, scene.light.weather, self._water)
         lamps = (*scene.light.lamps, *self._plumes.lamps)
@@ -193,6 +194,11 @@ class ShotBuilder:
         return waders(self.take, self._skin, self.clock, self._water.level)
 
     @property
+    def scattered(self) -> SceneryTally | None:
+        """How many plants and stones stand in the film, None where nothing is scattered."""
+        return self._standing.tally if self._scatter.wanted else None
+
+    @property
     def _aspect(self) -> float:
         return self.film.size[0] / self.film.size[1]
 
@@ -210,12 +216,14 @@ class ShotBuilder:
         texture = self.materials[self.take.terrain.material].texture
         has_footprints = self._scene.terrain.footprints
         poses = tuple(pose for cut in self._filmed for pose in cut.poses)
+        spares = bool(self._scatter.wanted or self._edging)
+        hearths = self._plumes.hearths(self.take)
         grows = any(len(mesh.hair) for mesh in self.take.meshes)
         height = self.film.size[1]
         return FilmTracks(
             poses,
             footprint_timeline(self.take, texture) if has_footprints else None,
-            clearings=Clearings.of(self.take) if self._scatter.wanted or self._edging else None,
+            clearings=Clearings.of(self.take, hearths) if spares else None,
             cuts=decisions,
             grain=finest_pixels(self.take, poses, height) if grows else np.zeros(0),
         )

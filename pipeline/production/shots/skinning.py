@@ -75,7 +75,7 @@ class Skin:
     def thinned(self, most: int) -> Skin:
         """Return the skin with about `most` vertices of each part, the outermost among them."""
         kept = [
-            first + _spread_vertices(self.vertices[0, first:end], most)
+            first + spread_vertices(self.vertices[0, first:end], most)
             for first, end in itertools.pairwise(self.starts)
         ]
         some = np.concatenate(kept)
@@ -141,7 +141,7 @@ class Skin:
         return _turned(real, here) + moved
 
 
-def _spread_vertices(vertices: Array, most: int) -> NDArray[np.int64]:
+def spread_vertices(vertices: Array, most: int) -> NDArray[np.int64]:
     """Return the numbers of some vertices (V, 3): every n-th, and the outermost six."""
     every = np.arange(0, len(vertices), -(-len(vertices) // most))
     return np.unique(np.concatenate([every, vertices.argmin(axis=0), vertices.argmax(axis=0)]))

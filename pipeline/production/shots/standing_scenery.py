@@ -19,9 +19,16 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.growth import Growth
+from pipeline.production.scenery.placement import Placed
 from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
-from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
+from pipeline.production.scenery.scenery import (
+    TooManyTriangles,
+    placed_scenery,
+    scenery_detail,
+    scenery_meshes,
+)
+from pipeline.production.scenery.scenery_tally import SceneryTally
 from pipeline.production.scenery.track import Track
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.scenery.trodden_cover import TroddenCover
@@ -83,6 +90,11 @@ class StandingScenery:
     clearings: Clearings | None
     width: int
 
+    @property
+    def tally(self) -> SceneryTally | None:
+        """How many plants and stones are scattered, None where there are none."""
+        return self._all[2]
+
     @cached_property
     def made(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         """Terrain, land, plants and stones, made when the first shot needs them.
@@ -90,7 +102,7 @@ class StandingScenery:
         What stands still and gives no light, as one object for all shots, and what performers
         tread on.
         """
-        meshes, trodden = self._all
+        meshes, trodden, _ = self._all
         return tuple(mesh for mesh in meshes if not self._glows(mesh)), trodden
 
     @cached_property
@@ -102,7 +114,7 @@ class StandingScenery:
         return mesh.material in self.materials and self.materials[mesh.material].glow > 0.0
 
     @cached_property
-    def _all(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+    def _all(self) -> tuple[tuple[Mesh, ...], TroddenCover | None, SceneryTally | None]:
         width, weather = self.width, self.scene.light.weather
         meshes = surrounding_meshes(self.drawn, self.around, self.materials, width)
         land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
@@ -129,12 +141,15 @@ class StandingScenery:
         near = with_relief(base, material, self.view, treads, scenery_detail(width))
         ground = (near, *land)
         if not self.scatter.wanted and (edging is None or not edging.placed):
-            return ground, None
+            return ground, None, None
         ground = tuple(self._worn(mesh) for mesh in ground)
-        still, trodden = self._plants(land[0], treads, edging)
+        every = self._plants(land[0], edging)
+        detail = scenery_detail(width)
+        still, trodden = scenery_meshes(every, treads, weather.ground_wind, detail)
         if trodden:
             trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
-        return (*ground, *(frosted(mesh, weather) for mesh in still)), trodden
+        seen = (*ground, *(frosted(mesh, weather) for mesh in still))
+        return seen, trodden, SceneryTally.of(every, detail)
 
     def _edging_along(self) -> Edging | None:
         """Return the edging of the floor."""
@@ -169,9 +184,7 @@ class StandingScenery:
         material = self.materials[mesh.material]
         return replace(mesh, wear=self._growth.wear(material, self.scene.light.weather, middle))
 
-    def _plants(
-        self, horizon: Mesh, treads: Treads, edging: Edging | None
-    ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+    def _plants(self, horizon: Mesh, edging: Edging | None) -> list[Placed]:
         """Return the plants and stones over terrain and land."""
         terrain, around = (
             mean_color(self.materials[name])
@@ -183,9 +196,8 @@ class StandingScenery:
         apron = edging.apron if edging else None
         ground = GroundSurface(self.land, horizon, terrain, around, columns, level, apron)
         try:
-            return scenery_meshes(
+            return placed_scenery(
                 *(ground, self.view, self.clearings, self.scatter),
-                *(treads, self.scene.light.weather.ground_wind),
                 *(self._growth, scenery_detail(width)),
                 also=edging.placed if edging else (),
                 plots=edging.plots if edging else (),

@@ -205,7 +205,7 @@ def test_an_interrupt_ends_all_and_the_table_tells_what_is_done(
     *lines, last = err.splitlines()
     rows = table_of("\n".join(lines))
     assert [row.split()[-1] for row in rows.values()] == ["done", "stopped", "started"]
-    assert last == "stopped; the same command goes on where it was"
+    assert last == "stopped; the same command keeps what is finished and goes on"
 
 
 def test_an_interrupt_behind_another_error_ends_all() -> None:

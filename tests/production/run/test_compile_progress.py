@@ -37,8 +37,8 @@ def test_a_log_tells_how_far_it_is(clock: Clock) -> None:
     assert out.getvalue().splitlines() == [
         "simulate: 2 s to do",
         "compiling the people simulation (once): 40 functions to do",
-        "compiling the people simulation (once): 10 of 40 functions, 10 s",
-        "compiling the people simulation (once): 22 of 40 functions, 22 s",
+        "compiling the people simulation (once): 10 of 40 functions, 10 s so far",
+        "compiling the people simulation (once): 22 of 40 functions, 22 s so far",
         "compile: people simulation, 40 functions (40.0 s)",
         "simulate: 48 frames (3.0 s)",
     ]

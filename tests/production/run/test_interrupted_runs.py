@@ -52,7 +52,7 @@ def test_an_interrupted_run_can_be_resumed(
     code, out, err = running.end()
     assert (code, out) == (130, "")
     assert "Traceback" not in err
-    assert err.rstrip().endswith("stopped; the same command goes on where it was")
+    assert err.rstrip().endswith("stopped; the same command keeps what is finished and goes on")
     assert not (studio.made / "tiny.mp4").exists()
     assert start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder).end()[0] == 0
     _assert_complete(studio, film)

@@ -15,9 +15,11 @@ from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import (
     LEAST_COVER,
     TooManyTriangles,
+    placed_scenery,
     scenery_meshes,
     thinned,
 )
+from pipeline.production.scenery.scenery_tally import SceneryTally
 from pipeline.production.scenery.species import KINDS, prototype
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.shots.film_tracks import FilmTracks
@@ -216,7 +218,10 @@ def test_a_density_of_the_authors_own_is_kept_where_nothing_thrives(ground: Grou
 def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:
     choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
     first, again = (
-        scenery_meshes(ground, VIEW, clearings(), choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
+        scenery_meshes(
+            placed_scenery(ground, VIEW, clearings(), choice, Growth(9), DETAIL),
+            *(UNTRODDEN, (3.0, 0.0), DETAIL),
+        )
         for _ in range(2)
     )
     assert [mesh.digest for mesh in first[0]] == [mesh.digest for mesh in again[0]]
@@ -228,7 +233,16 @@ def test_too_many_triangles_are_refused_with_their_memory(
     monkeypatch.setattr("pipeline.production.scenery.scenery.MAX_TRIANGLES", 10_000)
     choice = ScatterChoice((), (Wanted("dry grass", 1.0),))
     with pytest.raises(TooManyTriangles, match=r"GiB; at most 0.01 million .* 'dry grass'"):
-        scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
+        placed_scenery(ground, VIEW, None, choice, Growth(9), DETAIL)
+
+
+def test_a_tally_counts_things_and_their_triangles(ground: GroundSurface) -> None:
+    choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
+    every = placed_scenery(ground, VIEW, None, choice, Growth(9), DETAIL)
+    tally = SceneryTally.of(every, DETAIL)
+    assert tally.counts == {placed.name: len(placed.points) for placed in every}
+    made, _ = scenery_meshes(every, UNTRODDEN, (3.0, 0.0), DETAIL)
+    assert tally.triangles == sum(len(mesh.faces) for mesh in made)
 
 
 def test_listed_species_stand_on_the_bed_where_all_is_under_water() -> None:

@@ -362,3 +362,77 @@ def test_unsupported_orders_are_refused(rule: str, script: str, message: str) ->
     member = f"{{name: group, group: {{rule: {rule}}}}}"
     with pytest.raises(SceneError, match=message):
         scene_of(member, more=f"script: [{script}]")
+
+
+BUG = "{name: bug, figure: beetle, at: [3, 0], walk: {}}"
+CAMPFIRE = "{name: camp, group: {rule: fire, radius: 0.3, height: 1.2}, at: [0, 0]}"
+
+
+def test_a_fire_is_a_target_that_stays_where_it_burns() -> None:
+    simulation = Simulation(
+        scene_of(
+            CAMPFIRE,
+            "{name: torch, group: {rule: fire, height: 0.4}, at: [0, 1, 0], parent: pole}",
+            *(BUG, POLE),
+            more="script: [{at: 0, who: bug, do: {look_at: camp}}]",
+        )
+    )
+    states = []
+    for _ in range(12):
+        simulation.step()
+        simulation._members.update(simulation.last_row())
+        states.append([simulation._members.state(name) for name in ("camp", "torch")])
+    camps, torches = zip(*states, strict=True)
+    for camp in camps:
+        assert camp.centre == pytest.approx([0, camps[0].low[1] + 0.6, 0])
+        assert (camp.radius, *camp.v) == (0.3, 0, 0, 0)
+    # On the ground, and not where the flames of a moment are.
+    assert abs(camps[0].low[1]) < 1e-9
+    # The torch goes along with what carries it, at 0.1 m/s.
+    assert torches[-1].v == pytest.approx([0.1, 0, 0], abs=1e-9)
+    assert torches[-1].centre[1] == pytest.approx(0.1 + 1.0 + 0.2)
+
+
+def test_a_flock_as_a_target_is_where_its_members_are() -> None:
+    simulation = Simulation(
+        scene_of(
+            "{name: birds, group: {rule: flock, count: 30}, at: [0, 5, 0]}",
+            BUG,
+            more="script: [{at: 0, who: bug, do: {follow: birds}}]",
+        )
+    )
+    for _ in range(8):
+        simulation.step()
+    simulation._members.update(row := simulation.last_row())
+    recorder, state = simulation.recorder, simulation._members.state("birds")
+    birds = recorder.positions[row, list(recorder.nodes_by_performer["birds"])]
+    assert state.centre == pytest.approx(birds.mean(axis=0))
+    assert state.v == pytest.approx(
+        (birds - recorder.positions[row - 1, list(recorder.nodes_by_performer["birds"])]).mean(0)
+        * 24
+        * recorder.clock.samples
+    )
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        ("{at: 1, who: kid, do: {grab: camp}}", "'camp' is a group; name a prop, a body or"),
+        ("{when: {fell: camp}, who: kid, do: stop}", "name a member of the cast that is no group"),
+        ("{when: {touch: [kid, camp]}, who: kid, do: stop}", "name one of them, such as camp.0"),
+        ("{at: 1, who: bug, do: {hop_over: camp}}", "'camp' is a group; name a prop, a body or"),
+        ("{at: 1, who: kid, do: {look_at: camp.x}}", "has no part 'x'"),
+    ],
+)
+def test_groups_that_are_no_targets_are_refused(script: str, message: str) -> None:
+    kid = "{name: kid, character: child, at: [-3, 0]}"
+    with pytest.raises(SceneError, match=message):
+        Simulation(scene_of(CAMPFIRE, kid, BUG, more=f"script: [{script}]"))
+
+
+@pytest.mark.parametrize(
+    "do", ["{go_to: camp}", "{look_at: camp}", "{flee: camp}", "{greet: camp}", "{point: camp.3}"]
+)
+def test_groups_are_targets_of_orders(do: str) -> None:
+    kid = "{name: kid, character: child, at: [-3, 0]}"
+    scene_of(CAMPFIRE, kid, more=f"script: [{{at: 1, who: kid, do: {do}}}]")

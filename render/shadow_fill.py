@@ -24,7 +24,7 @@ Image = NDArray[np.float32]
 _FULL_CONTRAST = 0.8
 """Contrast that was added to a picture from which on shade is opened as far as the look says."""
 
-_BACKLIT, _BACKLIT_LIGHT = 0.65, (1.4, 2.4)
+_BACKLIT, _BACKLIT_LIGHT = 0.9, (1.4, 2.4)
 """Share of that by which shade is opened before a bright sky, without any contrast that was added;
 light of the brightest tenth of the picture from which on that begins, and is full [stops over
 middle grey]. A night has no such sky and stays dark."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.attachment import Attachment, Grip
-from pipeline.simulation.hand_grips import HandGrips
+from pipeline.simulation.hand_grips import CARRIED_GRIP, TAKEN_GRIP, HandGrips
 
 
 def test_hands_grip_what_they_hold_or_carry() -> None:
@@ -20,6 +20,6 @@ def test_hands_grip_what_they_hold_or_carry() -> None:
     )
     found = grips.at(4, 6)
     assert found.shape == (6, 2, 2)
-    np.testing.assert_array_equal(found[:, 0], [[1.0, 0.0]] * 6)
-    np.testing.assert_array_equal(found[:, 1, 1], [0.0, 1.0, 1.0, 1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(found[:, 0], [[CARRIED_GRIP, 0.0]] * 6)
+    np.testing.assert_array_equal(found[:, 1, 1], [0.0, *[TAKEN_GRIP] * 3, 0.0, 0.0])
     assert not found[:, 1, 0].any()

@@ -56,8 +56,8 @@ SLEEVE = (
 SHORT_SLEEVE = (Gather(0.748, 0.030, 0.034, 0.0024, slant=-0.3, run=1.2, front=(1.0, 0.7)),)
 
 SHIRT = (
-    Gather(0.600, 0.055, 0.046, 0.0044, slant=0.25, run=0.55),
-    Gather(0.745, 0.045, 0.044, 0.0032, slant=0.2, run=-0.9, front=(1.0, 0.7)),
+    Gather(0.600, 0.050, 0.038, 0.0026, slant=0.30, run=1.10),
+    Gather(0.745, 0.045, 0.042, 0.0024, slant=0.2, run=-1.0, front=(1.0, 0.7)),
 )
 """Of a shirt: at the waist, and towards the armpits."""
 

@@ -37,7 +37,7 @@ BELT, BELT_WORN = (0.5885, 0.6030), 0.0003
 RIB = ((0.8610, 0.0400), (0.8620, 0.0425), (0.8765, 0.0385), (0.8765, 0.0340))
 """Rings of the ribbed neck of a shirt, from its lower inner edge around: heights and radii."""
 
-COLLAR = ((0.8600, 0.0440), (0.8600, 0.0480), (0.8820, 0.0395), (0.8810, 0.0345))
+COLLAR = ((0.8590, 0.0430), (0.8590, 0.0465), (0.8810, 0.0385), (0.8800, 0.0340))
 """Rings of a collar that is folded down."""
 
 NECK_MIDDLE, NECK_FALL = -0.0095, 0.0085

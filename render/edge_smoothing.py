@@ -5,7 +5,7 @@ of an edge becomes the mean of those along the edge, so that steps are smooth an
 stays sharp. It works on compressed light, as bright as it is shown; the mean of light itself would
 be that of the sky alone.
 
-Source: Styl 2010, normal filter anti-aliasing; Karis 2013, for the mean of compressed light.
+Source: Andreev 2011; Karis 2013, for the mean of compressed light.
 """
 
 from __future__ import annotations

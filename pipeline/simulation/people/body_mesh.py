@@ -244,10 +244,10 @@ SHIN = (
     (0.190, -0.007, 0.028, 0.038, 0.031),
     (0.245, -0.003, 0.031, 0.036, 0.032),
     (0.285, 0.002, 0.034, 0.032, 0.033),
-    (0.340, 0.004, 0.038, 0.037, 0.037),
-    (0.380, 0.004, 0.040, 0.040, 0.040),
+    (0.340, 0.004, 0.0365, 0.0340, 0.0345),
+    (0.380, 0.004, 0.0350, 0.0330, 0.0335),
 )
-"""Outline of a bare leg up to where shorts hide it."""
+"""Outline of a bare leg up to where shorts hide it, thinner in them: none may come through."""
 
 CROTCH_LEVEL = 0.468
 LEG_SPREAD = 0.2  # of the legs while they are polygonised: thighs all but touch

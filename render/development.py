@@ -120,7 +120,7 @@ def _quantized(light: Image, how: Development, kind: type[Integer]) -> NDArray[I
     top, look = np.iinfo(kind).max, how.look
     glare = _glare(light, how.tone.stops) if look.bloom > 0.0 else None
     dim = _vignette(light.shape[:2], look.vignette) if look.vignette > 0.0 else None
-    fill = _fill(light, how) if look.shadows > 0.0 and how.tone.contrast > 1.0 else None
+    fill = _fill(light, how) if look.shadows > 0.0 else None
     out = np.empty(light.shape, kind)
     for band in range(0, len(light), BAND_ROWS):
         rows = slice(band, band + BAND_ROWS)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from render.backend import Backend
 from render.camera_sweep import camera_sweep
 from render.config import FullFilm
+from render.edge_smoothing import smoothed_edges
 from render.errors import device_memory_errors
 from render.frame import Frame, Image, LightLayers
 from render.passes.pass_images import PassImages
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 
 FEW_SAMPLES = 8
-"""Samples of a pixel up to which soft shadows, as in the shade of leaves, are noisy."""
+"""Samples of a pixel up to which soft shadows, as in the shade of leaves, are noisy, and edges
+stepped."""
 
 
 @dataclass
@@ -113,6 +115,8 @@ class Renderer:
             light = self._denoiser.clean(layers, film.denoise, has_soft_lights=is_noisy)
             if softness is not None and film.denoise != "off":
                 light = self._denoiser.clean_blur(light, softness, film.denoise)
+            if film.denoise != "off" and film.samples <= FEW_SAMPLES:
+                light = smoothed_edges(light, shot.development.tone.stops)
         self.timings.frames += 1
         return Frame(light, shot.development, passes)
 

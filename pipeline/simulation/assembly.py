@@ -128,6 +128,8 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     if pushed is not None:
         _refuse_late_carriers(pushed, troupes, attachments)
     recorder.attach(attachments)
+    for troupe in troupes:
+        troupe.see_attachments(attachments, recorder.nodes)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
     monitor = EventMonitor(

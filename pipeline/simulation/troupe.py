@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import ClassVar
 
+from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.surroundings import MovingSolid
 from pipeline.simulation.inventory import Inventory
@@ -156,6 +157,9 @@ class Troupe:
         Raises:
             SceneError: if a reference names no part.
         """
+
+    def see_attachments(self, attachments: Sequence[Attachment], nodes: Sequence[Node]) -> None:
+        """Takes note of what goes with its nodes, among which are things that hands hold."""
 
     def foreseen_notes(self) -> list[TakeNote]:
         """Returns notes of rows to come that are known without taking steps."""

@@ -16,8 +16,10 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.surroundings import Surroundings
+from pipeline.simulation.hand_grips import HandGrips
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
@@ -48,12 +50,13 @@ from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.members import MemberState, members_named
+from pipeline.simulation.people.dressed_figure import hand_links
 from pipeline.simulation.people.face_tracker import FaceTracker
 from pipeline.simulation.people.guided_dance import GuideMaker
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import TakeNote
+from pipeline.simulation.take import Node, TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Chase, Do, Flee, Instruction, SetSpeed
@@ -105,6 +108,7 @@ class WalkerTroupe(Troupe):
         )
         faced = [face.performer for face in self.inventory.faces]
         self._faces = FaceTracker(faced, world.seed, world.clock.row_time)
+        self._grips, self._written = HandGrips([]), 0
         self.step = 0
         looks = LookTargets(herd, cast)
         self.progress = start_progress(herd, trajectory, moods, world.clock.dt, looks)
@@ -239,7 +243,9 @@ class WalkerTroupe(Troupe):
             first = here.stop
         trajectory.route_set = present
         rows.alive[:] = True
-        rows.expressions[:] = self._faces.calm(len(self._buffered))
+        count = len(self._buffered)
+        rows.expressions[:] = self._faces.calm(count, self._grips.at(self._written, count))
+        self._written += count
         self._buffered.clear()
 
     def facts(self) -> Facts:
@@ -250,6 +256,15 @@ class WalkerTroupe(Troupe):
         outcomes = (*self.pursuits.outcomes, *self.leaps.outcomes, *self.dances.outcomes)
         touched = tuple(self.pursuits.touched)
         return Facts(tuple(contacts), notes, tuple(self._arrived), touched, outcomes=outcomes)
+
+    def see_attachments(self, attachments: Sequence[Attachment], nodes: Sequence[Node]) -> None:
+        """Close the hands of persons around what they hold."""
+        numbers = {node.name: i for i, node in enumerate(nodes)}
+        figures = {member.name: figure for _, member, figure in self._cast}
+        faced = [face.performer for face in self.inventory.faces]
+        hands = [[numbers[f"{n}.{link}"] for link in hand_links(figures[n])] for n in faced]
+        self._grips = HandGrips(hands)
+        self._grips.bind(attachments)
 
     def foreseen_notes(self) -> list[TakeNote]:
         """Return notes on the pose keys that creatures miss which stay where they stand.

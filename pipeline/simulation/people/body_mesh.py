@@ -6,9 +6,25 @@ arm uncovers.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.simulation.people.body_frames import FRAMES
+from pipeline.simulation.people.cloth_folds import (
+    LEG as LEG_FOLDS,
+)
+from pipeline.simulation.people.cloth_folds import (
+    SHIRT as SHIRT_FOLDS,
+)
+from pipeline.simulation.people.cloth_folds import (
+    SHORT_SLEEVE,
+    SHORTS,
+    SLEEVE,
+    fold_depth,
+    fold_shade,
+    folded,
+)
 from pipeline.simulation.people.hand_mesh import fingers, palm
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
@@ -27,6 +43,7 @@ from pipeline.simulation.people.skinned_surface import (
     merge_patches,
     polygonise,
     ramp,
+    symmetric_field,
     with_mirror,
 )
 from pipeline.simulation.spatial import Array
@@ -58,9 +75,10 @@ def shirt(build: BodyMeasures, tucked: bool = False) -> SkinnedPatch:
     girth, end = build.girth, build.level(TUCKED_HEM if tucked else SHIRT_HEM)
     wide = build.shoulders + 0.05 * girth
     low = (-0.1 * girth, end, -wide)
-    high = (0.1 * girth, build.level(0.87), wide)
-    field = shirt_field(build)
-    net = polygonise(field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=end)
+    high = (0.1 * girth, build.level(0.90), wide)
+    depth = fold_depth(build, SHIRT_FOLDS, 0.0)
+    field = folded(shirt_field(build), symmetric_field(depth))
+    net = polygonise(field, low, high, 0.0180 * girth, stretch=0.95, symmetric=True, hem=end)
     by_pelvis = net.follow("pelvis", "chest", chest_share(build, net.vertices[:, 1]))
     aside = np.abs(net.vertices[:, 2])
     pull = SHIRT_PULL * ramp(aside, build.shoulders - 0.030 * girth, build.shoulders)
@@ -68,9 +86,17 @@ def shirt(build: BodyMeasures, tucked: bool = False) -> SkinnedPatch:
     arms = np.where(net.vertices[:, 2:] < 0.0, MIRRORED_FRAMES[by_arm.frames], by_arm.frames)
     is_shoulder = (pull > 0.0) & (by_pelvis.share == 1.0)
     frames = np.where(is_shoulder[:, None], arms, by_pelvis.frames)
-    return SkinnedPatch(
-        net.vertices, net.faces, frames, np.where(is_shoulder, pull, by_pelvis.share)
-    )
+    share = np.where(is_shoulder, pull, by_pelvis.share)
+    shade = fold_shade(build, symmetric_field(depth), net.vertices)
+    # Arms hang beside it.
+    chest = ramp(net.vertices[:, 1], build.level(0.66), build.level(0.76))
+    under = chest * ramp(net.vertices[:, 1], build.level(0.815), build.level(0.78))
+    shade = shade * (1.0 - ARMPIT_SHADE * under * ramp(aside, 0.065 * girth, 0.090 * girth))
+    return replace(SkinnedPatch(net.vertices, net.faces, frames, share), shade=shade)
+
+
+ARMPIT_SHADE = 0.35
+"""How dark a shirt is under the arms, and a sleeve beside the chest."""
 
 
 def shirt_field(build: BodyMeasures) -> Field:
@@ -78,7 +104,7 @@ def shirt_field(build: BodyMeasures) -> Field:
     girth = build.girth
     torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
     neck = np.array([-0.008 * girth, build.level(0.832), 0.02 * girth])
-    tip = np.array([0.0, build.level(0.811), build.shoulders - 0.006 * girth])
+    tip = np.array([0.0, build.level(0.808), build.shoulders - 0.006 * girth])
     right, left = (
         round_cone(neck * m, tip * m, 0.030 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
     )
@@ -98,12 +124,14 @@ def torso_breadths(build: BodyMeasures) -> Array:
 
 ARM = (
     (0.470, 0.003, 0.0160, 0.0160, 0.0110),
-    (0.486, 0.002, 0.0155, 0.0155, 0.0120),
-    (0.530, 0.002, 0.0185, 0.0175, 0.0160),
-    (0.590, 0.002, 0.0230, 0.0215, 0.0220),
-    (0.632, 0.000, 0.0215, 0.0230, 0.0215),
-    (0.680, 0.002, 0.0230, 0.0230, 0.0220),
-    (0.740, 0.003, 0.0255, 0.0245, 0.0235),
+    (0.486, 0.002, 0.0150, 0.0150, 0.0118),
+    (0.530, 0.002, 0.0188, 0.0178, 0.0165),
+    (0.588, 0.003, 0.0240, 0.0218, 0.0232),
+    (0.612, 0.001, 0.0228, 0.0224, 0.0224),
+    (0.632, -0.001, 0.0205, 0.0236, 0.0208),
+    (0.655, 0.001, 0.0210, 0.0222, 0.0206),
+    (0.695, 0.004, 0.0252, 0.0238, 0.0228),
+    (0.740, 0.003, 0.0262, 0.0250, 0.0236),
     (0.770, 0.001, 0.0240, 0.0235, 0.0225),
 )
 """Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
@@ -118,22 +146,26 @@ def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     top = build.level(0.818)
     arm = offset_solid(oval_stack(build.outline(ARM), z), SLEEVE_THICKNESS * girth)
     shoulder = round_cone(
-        (0.0, top - 0.007 * girth, z - 0.003 * girth),
-        (0.002 * girth, top - 0.065 * girth, z),
-        0.0250 * girth,
-        0.0280 * girth,
+        (0.0, top - 0.010 * girth, z - 0.003 * girth),
+        (0.002 * girth, top - 0.062 * girth, z),
+        0.0248 * girth,
+        0.0276 * girth,
     )
     end = build.level(0.715 if short_sleeves else 0.500)
-    field = smooth_union([arm, shoulder], 0.02 * girth)
+    depth = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, z)
+    field = folded(smooth_union([arm, shoulder], 0.02 * girth), depth)
     half_width = 0.045 * girth
     low, high = (
         (-half_width, end, z - half_width),
         (half_width, top + 0.045 * girth, z + half_width),
     )
     surface = polygonise(
-        field, low, high, 0.0150 * girth, stretch=1.0 if short_sleeves else 1.5, hem=end
+        field, low, high, 0.0150 * girth, stretch=1.0 if short_sleeves else 0.95, hem=end
     )
-    return with_mirror(_skinned_sleeve(build, surface))
+    inner = ramp(surface.vertices[:, 2], z, z - 0.022 * girth)
+    high_up = ramp(surface.vertices[:, 1], build.level(0.64), build.level(0.76))
+    shade = fold_shade(build, depth, surface.vertices) * (1.0 - ARMPIT_SHADE * inner * high_up)
+    return with_mirror(replace(_skinned_sleeve(build, surface), shade=shade))
 
 
 SLEEVE_PULL, SHIRT_PULL, PULL_REACH = 0.12, 0.30, 0.040
@@ -212,10 +244,10 @@ SHIN = (
     (0.190, -0.007, 0.028, 0.038, 0.031),
     (0.245, -0.003, 0.031, 0.036, 0.032),
     (0.285, 0.002, 0.034, 0.032, 0.033),
-    (0.340, 0.004, 0.038, 0.037, 0.037),
-    (0.380, 0.004, 0.040, 0.040, 0.040),
+    (0.340, 0.004, 0.0365, 0.0340, 0.0345),
+    (0.380, 0.004, 0.0350, 0.0330, 0.0335),
 )
-"""Outline of a bare leg up to where shorts hide it."""
+"""Outline of a bare leg up to where shorts hide it, thinner in them: none may come through."""
 
 CROTCH_LEVEL = 0.468
 LEG_SPREAD = 0.2  # of the legs while they are polygonised: thighs all but touch
@@ -227,7 +259,8 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
     girth, end = build.girth, 0.330 if shorts else 0.046
     pelvis = oval_stack(build.outline(SEAT, build.hip_breadth))
     leg = oval_stack(build.outline(LEG), build.hips)
-    whole = smooth_union([pelvis, leg], 0.030 * girth)
+    depth = fold_depth(build, SHORTS if shorts else LEG_FOLDS, build.hips)
+    whole = folded(smooth_union([pelvis, leg], 0.030 * girth), depth)
 
     def spread(places: Array) -> Array:
         y, z = places[:, 1], np.abs(places[:, 2])
@@ -237,11 +270,20 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
     low = (-0.1 * girth, build.level(end), -half_width)
     high = (0.1 * girth, build.level(0.64), half_width)
     surface = polygonise(
-        spread, low, high, 0.0165 * girth, stretch=1.1, symmetric=True, hem=build.level(end)
+        spread, low, high, 0.0165 * girth, stretch=0.88, symmetric=True, hem=build.level(end)
     )
     places = surface.vertices.copy()
     places[:, 2] -= np.sign(places[:, 2]) * _spread(build, places[:, 1])
-    return _skinned_trousers(build, places, surface)
+    shade = fold_shade(build, symmetric_field(depth), places)
+    # Thighs shade one another.
+    between = ramp(np.abs(places[:, 2]), 0.036 * girth, 0.008 * girth)
+    below = ramp(places[:, 1], build.level(0.500), build.level(0.450))
+    shade = shade * (1.0 - CROTCH_SHADE * between * below)
+    return replace(_skinned_trousers(build, places, surface), shade=shade)
+
+
+CROTCH_SHADE = 0.40
+"""How dark trousers are between the legs."""
 
 
 def _spread(build: BodyMeasures, y: Array) -> Array:

@@ -135,6 +135,15 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
     return replace(layer, mesh=moved)
 
 
+def hand_links(figure: Figure) -> tuple[str, str]:
+    """Return the names of the links of a person's left and right hand."""
+    left, right = (
+        figure.skeleton.links[int(person_bones(figure).links[FRAMES.index(name)])].name
+        for name in ("hand_l", "hand_r")
+    )
+    return left, right
+
+
 def person_bones(figure: Figure) -> PersonBones:
     """Return the bones of a figure that `check_person` accepts, as a person's."""
     if figure not in _BONES:

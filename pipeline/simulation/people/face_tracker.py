@@ -10,7 +10,7 @@ Source: Bentivoglio et al. 1997 for the rate of blinks.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,9 +125,17 @@ class FaceTracker:
         self._rows += len(inputs)
         return np.concatenate([units, eyes, hands], axis=-1).astype(np.float32)
 
-    def calm(self, count: int) -> NDArray[np.float32]:
-        """Return the faces (K, P, n) of some rows of people that feel nothing and look ahead."""
-        return self.faces([FaceInputs.calm(len(self._rngs))] * count)
+    def calm(self, count: int, grips: Array | None = None) -> NDArray[np.float32]:
+        """Return the faces (K, P, n) of some rows of people that feel nothing and look ahead.
+
+        Args:
+            count: of the rows.
+            grips: (K, P, 2) how far hands grip; not at all if left out.
+        """
+        calm = FaceInputs.calm(len(self._rngs))
+        if grips is None:
+            return self.faces([calm] * count)
+        return self.faces([replace(calm, grips=grip) for grip in grips])
 
     def _hurts(self, pain: Array) -> Array:
         """Return how much pain shows (K, P), from 0 to 1, from the pain felt since the start."""

@@ -10,18 +10,24 @@ from pipeline.simulation.combed_hair import combed
 from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.head_mesh import Head
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
-from pipeline.simulation.spatial import UP, Array
+from pipeline.simulation.spatial import UP, Array, normalized
 
 LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun": 0.26}
 """Length of the strands by style, in heads. They overlap: long hair needs no longer."""
 
-LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 9.0, "long": 9.0, "bun": 6.0}
+LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 7.0, "long": 7.0, "bun": 6.0}
 """How far hair stands off."""
 
 CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
 """Whorl from which hair goes out, and the knot to which it is drawn."""
 
-BROW_LENGTH = 0.028
+BROW_LENGTH = 0.021
+
+LOCK_TURNS: Mapping[str, float] = {"short": 0.24, "bob": 0.10, "long": 0.12, "bun": 0.05}
+"""How far locks turn from the lay by style, as a tangent: no outline of hair is smooth."""
+
+LOCK_LENGTH = 0.15
+"""How much longer or shorter than others locks are."""
 
 FRINGE, FRINGE_SPAN = 0.42, (0.02, 0.24)
 """Share of its length to which hair is cut over the face, and where along X that comes about."""
@@ -43,8 +49,16 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
         side = np.where(seen[:, 2] < 0.0, -1.0, 1.0) * np.maximum(seen[:, 0], 0.0)
         flow[:, 2] += aside * side
     cut = 1.0 - (1.0 - FRINGE) * ramp(seen[:, 0], *FRINGE_SPAN)
-    length = LENGTHS[style] * head.size * cut
+    locks = _locks(seen)
+    flow = normalized(flow) + LOCK_TURNS[style] * locks
+    length = LENGTHS[style] * head.size * cut * (1.0 + LOCK_LENGTH * locks[:, 0])
     return combed(flow, normals, length, np.radians(LIFTS_DEG[style]))
+
+
+def _locks(places: Array) -> Array:
+    """Return turns of locks (V, 3) of about 1, the same for all heads; places in heads."""
+    waves = np.array([[31.0, 17.0, 23.0], [19.0, 29.0, -21.0], [-27.0, 13.0, 33.0]])
+    return np.asarray(np.sin(places @ waves.T) + 0.6 * np.sin(1.7 * places @ waves[::-1].T + 2.0))
 
 
 def brow_hair(head: Head, patch: SkinnedPatch) -> Array:

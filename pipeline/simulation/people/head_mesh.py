@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.simulation.face_units import EYE_TURN
-from pipeline.simulation.figures.solids import loft
+from pipeline.simulation.figures.solids import loft, vertex_normals
 from pipeline.simulation.people.face_mesh import (
     ORIGIN,
     FaceGrid,
@@ -27,6 +27,7 @@ from pipeline.simulation.people.signed_distance import (
     Field,
     ellipsoid,
     half_space,
+    openness,
     round_cone,
     smooth_difference,
     smooth_intersection,
@@ -39,10 +40,21 @@ from pipeline.simulation.people.skinned_surface import (
     merge_patches,
     polygonise,
     ramp,
+    symmetric_field,
     tube,
     with_mirror,
 )
-from pipeline.simulation.people.tints import BLUSH, HOLLOW, IRIS, LIMBUS, LIP, PUPIL, TOOTH
+from pipeline.simulation.people.tints import (
+    BLUSH,
+    HOLLOW,
+    IRIS,
+    LASH,
+    LIMBUS,
+    LIP,
+    PUPIL,
+    SHEEN,
+    TOOTH,
+)
 from pipeline.simulation.spatial import Array, normalized
 
 LEAST_MOVE = 4e-4
@@ -99,7 +111,28 @@ def head_skin(head: Head) -> SkinnedPatch:
     # The head first: what follows it alone is quick to pose.
     patch = Surface(places, grid.faces).follow("head", "chest", 1.0 - share)
     skin = FaceSkin(grid.vertices, grid.jaw, grid.closing, grid.lid, grid.upper)
-    return replace(_with_units(head, patch, skin), tint=_skin_tint(head.face, grid))
+    shade = _skin_shade(head.face, grid)
+    return replace(_with_units(head, patch, skin), tint=_skin_tint(head.face, grid), shade=shade)
+
+
+HOLLOW_REACH, HOLLOW_DARKNESS = 0.20, 0.62
+"""Distance in which something shades skin [heads], and how dark that makes it at most."""
+
+CHIN_SHADE, CHIN_SPAN = 0.30, (-0.40, -0.55)
+"""How dark the neck is below the chin, and heights between which that comes about [heads]."""
+
+
+def _skin_shade(face: FaceShape, grid: FaceGrid) -> Array:
+    """Return the shade (V,) of the skin of a head: in sockets, beside the nose, below lip and chin.
+
+    Soft light is traced too coarsely for the forms of a face that is small in the frame.
+    """
+    p, normals = grid.vertices, vertex_normals(grid.vertices, grid.faces)
+    # A slit is no hollow: lids would be dark along their margins.
+    solid = symmetric_field(face_field(face))
+    closed = np.clip(1.0 - openness(solid, p, normals, HOLLOW_REACH), 0.0, 1.0)
+    below = CHIN_SHADE * ramp(p[:, 1], *CHIN_SPAN)
+    return (1.0 - HOLLOW_DARKNESS * ramp(closed, 0.03, 0.75)) * (1.0 - below)
 
 
 def _with_units(head: Head, patch: SkinnedPatch, skin: FaceSkin) -> SkinnedPatch:
@@ -111,6 +144,10 @@ def _with_units(head: Head, patch: SkinnedPatch, skin: FaceSkin) -> SkinnedPatch
         targets=np.stack([vertices, units], axis=-1),
         offsets=head.size * moves[units, vertices],
     )
+
+
+LASH_LINE, LASH_SHARE, LOWER_LASH_SHARE = 0.97, 0.85, 0.30
+"""Share of a lid from which it is its margin, and how dark lashes make the upper and the lower."""
 
 
 def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
@@ -127,7 +164,10 @@ def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
     nostril = spot(0.34, -0.176, 0.030 - 0.006 * c, 0.016, 0.013)
     hollow = np.maximum(grid.hollow, 0.8 * nostril)
     tint = np.stack([np.full(len(p), float(BLUSH)), blush], axis=-1)
-    for number, share in ((LIP, grid.lips), (HOLLOW, hollow)):
+    lash = np.where(grid.lid > LASH_LINE, LASH_SHARE, 0.0) + np.where(
+        grid.lid < -LASH_LINE, LOWER_LASH_SHARE, 0.0
+    )
+    for number, share in ((LIP, grid.lips), (HOLLOW, hollow), (LASH, lash)):
         tint[share > 0.04] = np.stack([np.full(len(p), number), share], axis=-1)[share > 0.04]
     return tint
 
@@ -143,7 +183,8 @@ def neck_skin(head: Head) -> SkinnedPatch:
     net = polygonise(_neck_field(head, top), low, high, 0.063 * s, symmetric=True)
     chin = float(head.at(0.0, -0.42, 0.0)[1])
     share = ramp(net.vertices[:, 1], base + 0.15 * (chin - base), chin)
-    return net.follow("chest", "head", share)
+    shade = np.full(len(net.vertices), 1.0 - CHIN_SHADE)
+    return replace(net.follow("chest", "head", share), shade=shade)
 
 
 def _neck_field(head: Head, top: float) -> Field:
@@ -171,11 +212,14 @@ def ears(head: Head) -> SkinnedPatch:
     return with_mirror(replace(patch, tint=red))
 
 
-EYE_RINGS_DEG = np.array([7.0, 12.5, 13.0, 20.0, 26.5, 29.0, 31.0, 45.0, 65.0, 90.0, 130.0])
+EYE_RINGS_DEG = np.array([8.0, 14.5, 15.5, 23.0, 30.0, 33.0, 35.0, 48.0, 66.0, 90.0, 130.0])
 """Rings of an eyeball around its axis, denser where its colour changes."""
 
-EYE_TINTS = ((13.0, 1.0), (26.6, 1.0), (30.0, 1.0))
-"""Ends of pupil, iris and the dark edge of the iris, and their shares."""
+PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 15.0, 30.5, 34.0
+"""Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
+
+LID_SHADE, CORNER_SHADE = 0.52, 0.30
+"""How dark the upper lid makes an eye, and its corners."""
 
 EYE_SEGMENTS = 14
 
@@ -192,14 +236,17 @@ def eyeballs(head: Head) -> SkinnedPatch:
     rings = np.stack([x, ring[0], ring[1]], axis=-1)[::-1]
     solid = loft(rings, np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
     own = np.degrees(np.arccos(np.clip(solid.vertices[:, 0], -1.0, 1.0)))
-    kind = np.select([own < 12.7, own < 26.6, own < 30.0], [PUPIL, IRIS, LIMBUS], 0)
+    kind = np.select([own < PUPIL_DEG, own < IRIS_DEG, own < LIMBUS_DEG], [PUPIL, IRIS, LIMBUS], 0)
+    above = ramp(solid.vertices[:, 1], -0.10, 0.55)
+    beside = ramp(np.abs(solid.vertices[:, 2]), 0.35, 0.9)
+    shade = (1.0 - LID_SHADE * above) * (1.0 - CORNER_SHADE * beside)
     tint = np.stack([kind, kind > 0], axis=-1).astype(float)
     places = head.on_body(middle + radius * solid.vertices)
     patch = Surface(places, solid.faces).follow("head")
     count = len(places)
     turned = np.stack([np.arange(count), np.full(count, EYE_TURN)], axis=-1)
     spokes = head.size * radius * solid.vertices
-    eye = replace(patch, targets=turned, offsets=spokes, tint=tint)
+    eye = replace(patch, targets=turned, offsets=spokes, tint=tint, shade=shade)
     return with_mirror(eye)
 
 
@@ -224,7 +271,10 @@ def teeth(head: Head) -> SkinnedPatch:
 BROW_LINE = ((0.050, 0.127), (0.09, 0.138), (0.145, 0.146), (0.20, 0.137), (0.245, 0.110))
 """Places of a brow, out and up."""
 
-BROW_RADII = np.array([0.011, 0.0135, 0.0125, 0.010, 0.006])
+BROW_RADII = np.array([0.0075, 0.0105, 0.0098, 0.0075, 0.0040])
+
+BROW_PALENESS = np.array([0.34, 0.12, 0.10, 0.22, 0.45])
+"""Share of the skin that is seen between the hairs of a brow, from its inner end."""
 
 
 @cached_part
@@ -240,7 +290,9 @@ def brows(head: Head) -> SkinnedPatch:
     radii = BROW_RADII * (1.0 - 0.15 * face.child)
     net = tube(found + np.array([0.003, 0.0, 0.0]), radii, 6)
     patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
-    return with_mirror(_with_units(head, patch, FaceSkin.free(net.vertices)))
+    pale = np.interp(net.vertices[:, 2], [z for z, _ in BROW_LINE], BROW_PALENESS)
+    tint = np.stack([np.full(len(pale), float(BLUSH)), pale], axis=-1)
+    return with_mirror(replace(_with_units(head, patch, FaceSkin.free(net.vertices)), tint=tint))
 
 
 Style = Callable[[Head], Field]
@@ -304,4 +356,29 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     high = (c[0] + 0.50 * s, c[1] + 0.62 * s, 0.54 * s)
     net = polygonise(HAIR_STYLES[style](head), low, high, 0.084 * s, symmetric=True)
     share = ramp(net.vertices[:, 1], float(c[1] - 0.85 * s), float(c[1] - 0.30 * s))
-    return net.follow("head", "chest", 1.0 - share)
+    patch = net.follow("head", "chest", 1.0 - share)
+    seen = (net.vertices - c) / s
+    normals = vertex_normals(net.vertices, net.faces)
+    return replace(patch, tint=_hair_gloss(seen, normals), shade=_hair_shade(seen, normals))
+
+
+GLOSS, GLOSS_RISE, GLOSS_BREADTH = 0.20, 0.66, 0.17
+"""Gloss of hair: its greatest share; upward part of the normal in its band, and the breadth."""
+
+NAPE_SHADE = 0.45
+"""How dark hair is where it hangs in its own shade."""
+
+
+def _hair_gloss(places: Array, normals: Array) -> Array:
+    """Return the tint (V, 2) of the gloss: a band around the crown, broken by locks."""
+    around = np.arctan2(places[:, 2], places[:, 0])
+    locks = 0.62 + 0.38 * np.sin(11.0 * around) * np.sin(5.0 * around + 1.0)
+    band = np.exp(-(((normals[:, 1] - GLOSS_RISE) / GLOSS_BREADTH) ** 2))
+    return np.stack([np.full(len(places), float(SHEEN)), GLOSS * band * locks], axis=-1)
+
+
+def _hair_shade(places: Array, normals: Array) -> Array:
+    """Return the shade (V,) of hair: below the ears and wherever it faces down."""
+    low = ramp(places[:, 1], 0.15, -0.45)
+    under = ramp(normals[:, 1], 0.1, -0.6)
+    return 1.0 - NAPE_SHADE * np.maximum(low, under)

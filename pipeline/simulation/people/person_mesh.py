@@ -40,12 +40,16 @@ from pipeline.simulation.people.head_mesh import (
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
 from pipeline.simulation.people.tints import tint_colors
+from pipeline.simulation.people.trims import belt, collar, cuffs, trouser_hems
 from pipeline.simulation.people.wardrobe import Clothes, Garment, Stature
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
 from pipeline.spec.costume import HairStyle
 
 EYEBALL_MATERIAL = "eye white"
+
+FOLDED_COLLARS = frozenset[Garment](("tucked", "coat", "bib"))
+"""Garments that go with a collar; others with a ribbed neck."""
 
 MESH_CACHE_SIZE = 64
 """Number of persons whose meshes are kept for others like them."""
@@ -158,24 +162,28 @@ def _layers(
     worn = [over[word](build) for word in garments if word in over]
     if "suit" in garments:
         worn.append(lapels(build))
+    elif "hood" not in garments:
+        worn.append(collar(build, not FOLDED_COLLARS.isdisjoint(garments)))
+    worn.append(cuffs(build, short_sleeves))
     yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
-    legs = skirt(build) if "skirt" in garments else trousers(build, shorts)
-    yield "trousers", [legs, *([bib(build)] if "bib" in garments else [])]
+    legs = [skirt(build)] if "skirt" in garments else [trousers(build, shorts)]
+    if "skirt" not in garments:
+        legs.append(trouser_hems(build, shorts))
+    yield "trousers", [*legs, *([bib(build)] if "bib" in garments else [])]
     if "suit" in garments:
         yield "front", [suit_front(build)]
         yield "accent", [tie(build)]
     if "stripes" in garments:
         yield "accent", [stripes(build)]
-    yield "shoes", [shoes(build)]
+    yield "shoes", [shoes(build), *([belt(build)] if "tucked" in garments else [])]
     yield "eyes", [eyeballs(head), teeth(head)]
 
 
 def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:
     share = patch.share.astype(np.float32)
     extra = dict[str, Array]()
-    if len(patch.tint):
-        number, part = patch.tint[:, 0].astype(int), patch.tint[:, 1:]
-        extra["paint"] = np.concatenate([tints[number], part], axis=-1)
+    if len(patch.tint) or len(patch.shade):
+        extra["paint"] = _paint(patch, tints)
     if hair is not None:
         extra["hair"] = hair
     if len(patch.targets):
@@ -192,3 +200,15 @@ def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:
     for name in (f.name for f in fields(Mesh)):
         getattr(mesh, name).setflags(write=False)
     return mesh
+
+
+def _paint(patch: SkinnedPatch, tints: Array) -> Array:
+    """Return the colours and their shares (V, 4) that tint a patch and shade it.
+
+    Shade s of a mixture is s a paint + s (1 - a) material, a paint whose share is 1 - s (1 - a).
+    """
+    number, part = patch.tints[:, 0].astype(int), patch.tints[:, 1:]
+    shade = patch.shades[:, None]
+    share = 1.0 - shade * (1.0 - part)
+    color = shade * part * tints[number] / np.maximum(share, 1e-6)
+    return np.concatenate([color, share], axis=-1)

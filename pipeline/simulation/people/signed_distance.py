@@ -126,6 +126,31 @@ def offset_solid(solid: Field, by: float) -> Field:
     return distance
 
 
+OPENNESS_STEPS = 5
+"""Distances along a normal at which the room before a surface is measured."""
+
+
+def openness(solid: Field, places: Array, normals: Array, reach: float) -> Array:
+    """Return how open the room before places of a surface is (n,), from 0 in a slit to 1.
+
+    Over an open surface the distance to the solid grows as fast as that along the normal.
+
+    Args:
+        solid: with the surface.
+        places: (n, 3) on it [m].
+        normals: (n, 3).
+        reach: farthest distance at which something closes it [m].
+
+    Source: Evans 2006, ambient occlusion from distance fields.
+    """
+    blocked, total = np.zeros(len(places)), 0.0
+    for k in range(1, OPENNESS_STEPS + 1):
+        away = reach * k / OPENNESS_STEPS
+        near = np.clip(1.0 - solid(places + away * normals) / away, 0.0, 1.0)
+        blocked, total = blocked + 0.5**k * near, total + 0.5**k
+    return 1.0 - blocked / total
+
+
 def _smooth_minimum(a: Array, b: Array, blend: float) -> Array:
     """Return the smooth minimum: a quarter of `blend` below both where they are equal.
 

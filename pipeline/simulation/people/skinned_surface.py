@@ -68,6 +68,7 @@ class SkinnedPatch:
         targets: (n, 2) vertex, and the unit of the face or of a hand that moves it.
         offsets: (n, 3) by which it moves at the unit's full action [m].
         tint: (V, 2) number of another colour than the material's, and its share; (0, 2) for none.
+        shade: (V,) factor on the colour, less than 1 in folds and hollows; (0,) for none.
     """
 
     vertices: Array
@@ -77,11 +78,17 @@ class SkinnedPatch:
     targets: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     offsets: Array = field(default_factory=lambda: np.zeros((0, 3)))
     tint: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    shade: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def tints(self) -> Array:
         """Numbers and shares (V, 2) of other colours, with none written out."""
         return self.tint if len(self.tint) else np.zeros((len(self.vertices), 2))
+
+    @property
+    def shades(self) -> Array:
+        """Factors on the colour (V,), with none written out."""
+        return self.shade if len(self.shade) else np.ones(len(self.vertices))
 
     def mirrored(self) -> SkinnedPatch:
         """Return the patch mirrored to the other side of the body, with its frames."""
@@ -93,6 +100,7 @@ class SkinnedPatch:
             np.stack([self.targets[:, 0], MIRRORED_UNITS[self.targets[:, 1]]], axis=-1),
             self.offsets * MIRROR,
             self.tint,
+            self.shade,
         )
 
 
@@ -124,6 +132,9 @@ def merge_patches(patches: Sequence[SkinnedPatch]) -> SkinnedPatch:
         np.concatenate([p.tints for p in patches])
         if any(len(p.tint) for p in patches)
         else np.zeros((0, 2)),
+        np.concatenate([p.shades for p in patches])
+        if any(len(p.shade) for p in patches)
+        else np.zeros(0),
     )
 
 

@@ -8,7 +8,7 @@ from pipeline.simulation.spatial import Array
 from render.color import linear
 from render.config import MATERIALS
 
-LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE = range(1, 9)
+LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE, LASH, SHEEN = range(1, 11)
 """Tints of vertices, the rows of `tint_colors`; 0 is the colour of the material."""
 
 LIPS = {
@@ -24,8 +24,11 @@ BLUSH_SHADE = np.array([1.02, 0.76, 0.72])
 """Colour of cheeks in that of the skin."""
 
 HOLLOW_COLOR, PUPIL_COLOR = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002)
-TOOTH_COLOR = (0.62, 0.57, 0.48)
-"""Colours of the inside of a mouth, of pupils and of teeth, linear."""
+TOOTH_COLOR, LASH_COLOR = (0.50, 0.46, 0.38), (0.012, 0.008, 0.006)
+"""Colours of the inside of a mouth, of pupils, teeth and lashes, linear."""
+
+SHEEN_COLOR = (0.36, 0.32, 0.28)
+"""Colour of the gloss of hair, linear: that of the sky, whatever the hair's is."""
 
 LIMBUS_SHADE = 0.4
 """Colour of the rim of an iris, in that of the iris."""
@@ -38,7 +41,7 @@ PALE_SOLE, DARK_SOLE = (0.52, 0.50, 0.46), (0.022, 0.015, 0.011)
 
 
 def tint_colors(skin: str, iris: str, shoes: str) -> Array:
-    """Return the linear colours (9, 3) of the tints of a person.
+    """Return the linear colours (11, 3) of the tints of a person.
 
     Args:
         skin: material.
@@ -49,4 +52,4 @@ def tint_colors(skin: str, iris: str, shoes: str) -> Array:
     mouth = (lip, HOLLOW_COLOR, BLUSH_SHADE * own)
     eyes = (eye, LIMBUS_SHADE * eye, PUPIL_COLOR)
     sole = PALE_SOLE if shoes in PALE_SOLES else DARK_SOLE
-    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole))
+    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole, LASH_COLOR, SHEEN_COLOR))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.production.shots.coarse_faces import FINE_PIXEL, with_coarse_faces
+from pipeline.production.shots.coarse_faces import FINE_PIXEL, PAINTED, with_coarse_faces
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.simulation.take import Take
 from tests.simulation.characters.scripted_people import run_scene
@@ -55,3 +55,20 @@ def test_nothing_small_vanishes() -> None:
     coarse = with_coarse_faces(take, np.full(len(visible_parts(take)), np.inf))
     assert all(len(coarse.meshes[part.seen].faces) for part in visible_parts(coarse))
     assert sum(len(m.faces) for m in coarse.meshes) < sum(len(m.faces) for m in take.meshes)
+
+
+@pytest.mark.parametrize(("layer", "pixel", "most"), [("skin", 0.009, 0.4), ("eyes", 0.006, 0.4)])
+def test_lips_and_irises_keep_their_size(take: Take, layer: str, pixel: float, most: float) -> None:
+    coarse = with_coarse_faces(take, np.full(len(visible_parts(take)), pixel))
+    for part in visible_parts(coarse):
+        if part.name.endswith(f".{layer}"):
+            fine, mesh = take.meshes[part.seen], coarse.meshes[part.seen]
+            areas = [_painted_area(one.vertices, one.faces, one.paint) for one in (fine, mesh)]
+            assert areas[1] == pytest.approx(areas[0], rel=most)
+
+
+def _painted_area(vertices: np.ndarray, faces: np.ndarray, paint: np.ndarray) -> float:
+    """Return the area of the faces of which all corners are painted [m²]."""
+    inside = (paint[:, 3] > PAINTED)[faces].all(axis=1)
+    a, b, c = (vertices[faces[inside, k]].astype(float) for k in range(3))
+    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=-1).sum())

@@ -1,0 +1,131 @@
+"""Trims: cuffs, hems, collars and belts, as bands around limbs, neck and waist."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.simulation.figures.solids import loft
+from pipeline.simulation.people.body_mesh import ARM, LEG, SLEEVE_THICKNESS, TORSO, torso_breadths
+from pipeline.simulation.people.proportions import BodyMeasures
+from pipeline.simulation.people.skinned_surface import (
+    SkinnedPatch,
+    Surface,
+    cached_part,
+    with_mirror,
+)
+from pipeline.simulation.spatial import Array
+
+AROUND = 16
+"""Vertices of a ring of a band."""
+
+PROUD, THICK = 0.0011, 0.0052
+"""By how much a band stands out of the cloth, and its thickness, in girths."""
+
+CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
+    (0.4985, 0.5130),
+    (0.7135, 0.7215),
+    (0.0445, 0.0560),
+    (0.3285, 0.3385),
+)
+"""Lower and upper edges of bands, as fractions of an adult's height."""
+
+BELT, BELT_WORN = (0.5885, 0.6030), 0.0003
+"""Edges of a belt likewise, and its distance from the outline of the shirt, in girths."""
+
+RIB = ((0.8610, 0.0400), (0.8620, 0.0425), (0.8765, 0.0385), (0.8765, 0.0340))
+"""Rings of the ribbed neck of a shirt, from its lower inner edge around: heights and radii."""
+
+COLLAR = ((0.8590, 0.0430), (0.8590, 0.0465), (0.8810, 0.0385), (0.8800, 0.0340))
+"""Rings of a collar that is folded down."""
+
+NECK_MIDDLE, NECK_FALL = -0.0095, 0.0085
+"""Place of the neck along X, and by how much a collar lies lower in front than behind."""
+
+
+def _ring(middle: float, reach: tuple[float, float, float], y: float, z: float) -> Array:
+    """Return an oval ring (AROUND, 3) whose halves ahead and behind differ [m]."""
+    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    c, s = np.cos(angle), np.sin(angle)
+    ahead, behind, aside = reach
+    x = middle + np.where(c > 0.0, ahead, behind) * c
+    return np.stack([x, np.full(AROUND, y), z + aside * s], axis=-1)
+
+
+def _band(
+    build: BodyMeasures, outline: Array, edges: tuple[float, float], worn: float, z: float = 0.0
+) -> Surface:
+    """Return a band around a stack of ovals.
+
+    Args:
+        build: measures of the person.
+        outline: (n, 5) of `BodyMeasures.outline` [m].
+        edges: heights of its edges, as fractions of an adult's height.
+        worn: distance of the cloth that it lies on from the outline, in girths.
+        z: of the middle of the limb [m].
+    """
+    g = build.girth
+    rings = []
+    for level, out in (
+        (edges[0], worn + PROUD - THICK),
+        (edges[0], worn + PROUD),
+        (edges[1], worn + PROUD),
+        (edges[1], worn + PROUD - THICK),
+    ):
+        y = build.level(level)
+        middle, *reach = (np.interp(y, outline[:, 0], outline[:, k]) for k in range(1, 5))
+        ahead, behind, aside = (float(r) + out * g for r in reach)
+        rings.append(_ring(float(middle), (ahead, behind, aside), y, z))
+    return _closed(rings)
+
+
+def _closed(rings: Sequence[Array]) -> Surface:
+    """Return the surface through rings from below, closed inside of the cloth."""
+    stacked = np.array(rings)
+    solid = loft(stacked, stacked[[0, -1]].mean(axis=1))
+    volume = np.einsum(
+        "ij,ij->",
+        solid.vertices[solid.faces[:, 0]],
+        np.cross(solid.vertices[solid.faces[:, 1]], solid.vertices[solid.faces[:, 2]]),
+    )
+    faces = solid.faces if volume > 0.0 else solid.faces[:, ::-1]
+    return Surface(solid.vertices, faces)
+
+
+@cached_part
+def cuffs(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
+    """Return the cuffs of both sleeves."""
+    outline, z = build.outline(ARM), build.shoulders
+    if short_sleeves:
+        band = _band(build, outline, SHORT_CUFF, SLEEVE_THICKNESS, z).follow("upper_arm_r")
+    else:
+        band = _band(build, outline, CUFF, SLEEVE_THICKNESS, z).follow("forearm_r")
+    return with_mirror(band)
+
+
+@cached_part
+def trouser_hems(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
+    """Return the hems of both legs."""
+    outline = build.outline(LEG)
+    band = _band(build, outline, SHORTS_HEM if shorts else TROUSER_HEM, 0.0, build.hips)
+    return with_mirror(band.follow("thigh_r" if shorts else "shin_r"))
+
+
+@cached_part
+def belt(build: BodyMeasures) -> SkinnedPatch:
+    """Return a belt around a tucked shirt."""
+    outline = build.outline(TORSO, torso_breadths(build))
+    return _band(build, outline, BELT, BELT_WORN).follow("pelvis")
+
+
+@cached_part
+def collar(build: BodyMeasures, folded: bool) -> SkinnedPatch:
+    """Return the ribbed neck of a shirt, or a collar that is folded down."""
+    g = build.girth
+    rings = []
+    for level, radius in COLLAR if folded else RIB:
+        ring = _ring(NECK_MIDDLE * g, (radius * g,) * 3, build.level(level), 0.0)
+        ring[:, 1] -= NECK_FALL * g * (1.0 + (ring[:, 0] / g - NECK_MIDDLE) / radius)
+        rings.append(ring)
+    return _closed(rings).follow("chest")

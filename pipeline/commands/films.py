@@ -91,20 +91,21 @@ def frame(
     number: Annotated[int, typer.Argument(metavar="N", help="The frame, from 1.")],
     options: FrameOptions,
     preset: PresetOption = None,
-    whole: Annotated[
+    early: Annotated[
         bool,
-        typer.Option("--whole", help="Simulate the whole film first, as its rendering does."),
+        typer.Option(
+            "--early",
+            help="Simulate the film only up to the frame, for a quick look: plants, exposure and "
+            "a camera that moves may differ a little from the film.",
+        ),
     ] = False,
 ) -> None:
-    """Render one frame.
-
-    Only the film's start up to the frame is simulated, unless its whole take is stored.
-    """
+    """Render one frame, as it is in the film."""
     from pipeline.production.reports.stills import still
 
     reporter = options.reporter()
     order = options.frame_order(scene, preset)
-    reporter.result(f"{still(order, number, reporter, whole=whole)}")
+    reporter.result(f"{still(order, number, reporter, early=early)}")
 
 
 @with_options
@@ -154,7 +155,7 @@ def watch(
             outputs = production.render(order, reporter)
             return outputs.film(suffix=order.scene.film.resolved().suffix)
         last = order.scene.n_frames
-        return still(order, min(frame or (last + 1) // 2, last), reporter)
+        return still(order, min(frame or (last + 1) // 2, last), reporter, early=True)
 
     watching.watch(file, order_now, make, reporter, say)
 

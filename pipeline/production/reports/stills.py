@@ -38,15 +38,15 @@ THUMBNAIL_SCALE = 1.5
 """Pixels of a thumbnail per pixel of a plot, whose PNG is enlarged as much."""
 
 
-def still(order: Order, number: int, reporter: Reporter, *, whole: bool = False) -> Path:
+def still(order: Order, number: int, reporter: Reporter, *, early: bool = False) -> Path:
     """Render one frame into the outputs and return its file.
 
     Args:
         order: settings of the run.
         number: of the frame, 1-based.
         reporter: of progress.
-        whole: whether to simulate the whole film, so that the frame is as in the film; otherwise
-            as much of it as the frame needs to be looked at.
+        early: whether to simulate only as much of the film as the frame needs to be looked at;
+            otherwise it is as in the film.
 
     Raises:
         UsageError: the scene has no such frame.
@@ -56,7 +56,7 @@ def still(order: Order, number: int, reporter: Reporter, *, whole: bool = False)
     if not 1 <= number <= last:
         raise UsageError(f"frame {number}: the scene has frames 1-{last}")
     with working(order, reporter) as run:
-        shooting = shooting_of(run) if whole else early_shooting_of(run, number)
+        shooting = early_shooting_of(run, number) if early else shooting_of(run)
         return _stills(run, [number], shooting)[0]
 
 

@@ -88,7 +88,7 @@ def early_take(run: SceneRun, number: int) -> Take | None:
             run.record_time(current)
     run.reporter.note(
         "plants, exposure and a camera that moves may differ a little in the film, which knows "
-        "what comes later; --whole simulates all"
+        "what comes later"
     )
     return lengthened(take, scene.n_frames)
 

@@ -369,7 +369,9 @@ def blocked(act: Act) -> None:
 LET_GO_TIME, ARMS_DOWN_TIME = 11.0, 2.0
 """When hugging people are told to let go, and the time in which their arms sink [s]."""
 
-SECONDS = 14.0
+SECONDS, LEAVING_SECONDS = 14.0, 20.0
+"""Duration of most acts, and of one in which somebody leaves afterwards, at any pace [s]."""
+
 KINDS: dict[str, tuple[Callable[[Act], None], float]] = {
     "take": (take, SECONDS),
     "take doll": (take_doll, SECONDS),
@@ -383,7 +385,7 @@ KINDS: dict[str, tuple[Callable[[Act], None], float]] = {
     "push round": (push_round, 20.0),
     "reach": (reach, SECONDS),
     "hug": (hug, LET_GO_TIME + ARMS_DOWN_TIME),
-    "hug lost": (hug_lost, SECONDS),
+    "hug lost": (hug_lost, LEAVING_SECONDS),
     "blocked": (blocked, SECONDS),
 }
 """The kinds of acts, and the durations of their scenes [s]."""

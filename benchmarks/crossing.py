@@ -120,7 +120,7 @@ def scene_text(kind: str, size: int, seed: int) -> str:
     if kind == "gate":
         for end in (-1.0, 1.0):
             z = end * (0.5 * GATE + 0.5 * WALL)
-            form = f"{{kind: box, size: [0.3, 2.2, {WALL}]}}"
+            form = f"{{shape: box, size: [0.3, 2.2, {WALL}]}}"
             cast.append(f"- {{name: wall{int(end > 0)}, prop: {form}, at: [0, 0, {z}]}}")
     head = (
         f"pronk: 1\nduration: {DURATION:g}\nseed: {seed}\nterrain: {{kind: flat, size: [60, 60]}}"

@@ -132,6 +132,7 @@ RING = np.stack([np.cos(RING_ANGLES), np.sin(RING_ANGLES)], axis=1) / math.cos(
 )
 """(RING_PLACES, 2) places around a unit circle that lies within the lines between them."""
 
+ENCLOSURE_CHECK = 16  # places searched from, after which it is asked whether the goal is enclosed
 SHRINK_FACTOR = 0.98  # of the distance to which circles around start or goal shrink
 REACHED_DISTANCE = 0.25  # to a place on the way before the next one is headed for [m]
 REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
@@ -241,11 +242,16 @@ def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, boun
     cost, parents = np.full(len(places), np.inf), np.full(len(places), -1)
     cost[0] = 0.0
     closed = np.zeros(len(places), dtype=bool)
-    queue = [(float(heuristic[0]), 0)]
+    queue, searched = [(float(heuristic[0]), 0)], 0
     while queue:
         _, here = heapq.heappop(queue)
         if closed[here]:
             continue
+        searched += 1
+        if searched == ENCLOSURE_CHECK and _is_enclosed(
+            places, np.isfinite(cost), middles, reaches
+        ):
+            break
         if here == 1:
             way, at = list[int](), 1
             while at > 0:
@@ -260,6 +266,33 @@ def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, boun
         for k in free.tolist():
             heapq.heappush(queue, (float(cost[k] + heuristic[k]), k))
     return np.zeros((0, 2))
+
+
+def _is_enclosed(places: Array, reached: NDArray[np.bool_], middles: Array, reaches: Array) -> bool:
+    """Tell whether no way leads from the goal to any place that was reached from the start.
+
+    What is around the goal is soon searched; all that is outside is not.
+
+    Args:
+        places: (n, 2) start, goal and places between them [m].
+        reached: (n,) whether a place was reached from the start.
+        middles: (m, 2) of circles [m].
+        reaches: (m,) radii [m].
+    """
+    found = np.zeros(len(places), dtype=bool)
+    found[1] = True
+    stack = [1]
+    while stack:
+        here = stack.pop()
+        if reached[here]:
+            return False
+        others = np.flatnonzero(~found)
+        free = others[are_free(places[here], places[others], middles, reaches)]
+        if reached[free].any():
+            return False
+        found[free] = True
+        stack += free.tolist()
+    return True
 
 
 @dataclass

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters import visibility_route
 from pipeline.simulation.characters.behaviours.potential_field import (
     BALANCE_GAP,
     MIN_GAP,
@@ -70,6 +71,28 @@ WIDE = np.array([[-20.0, -20.0], [20.0, 20.0]])
 
 def length_of(path: np.ndarray, start: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(np.vstack([start, path]), axis=0), axis=1).sum())
+
+
+def test_an_enclosed_goal_is_found_so_from_within(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A ring of circles about the goal, and a field of others, which need not be searched.
+    angles = np.linspace(0.0, 2.0 * math.pi, 12, endpoint=False)
+    ring = 1.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    field = np.stack(np.meshgrid(*2 * [np.arange(3.0, 16.0, 2.0)]), axis=-1).reshape(-1, 2)
+    middles = np.concatenate([ring, field])
+    reaches = np.full(len(middles), 0.45)
+    searched = []
+
+    def count(start: Array, *rest: Array) -> Array:
+        searched.append(start)
+        return np.asarray(are_free(start, *rest))
+
+    monkeypatch.setattr(visibility_route, "are_free", count)
+    start, goal = np.array([14.0, 4.0]), np.zeros(2)
+    assert len(shortest_way(start, goal, middles, reaches, WIDE)) == 0
+    assert len(searched) < RING_PLACES * len(ring)
+    # A gap in the ring is found.
+    way = shortest_way(start, goal, middles[1:], reaches[1:], WIDE)
+    assert way[-1].tolist() == goal.tolist()
 
 
 def test_lines_are_free_outside_all_circles() -> None:

@@ -21,6 +21,7 @@ from render.airborne.picture_area import picture_area
 from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
 from render.airborne.precipitation import Precipitation
 from render.airborne.puffs import Puffs
+from render.airborne.sparks import Sparks, spark_sphere
 from render.config import Weather
 from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
@@ -47,11 +48,13 @@ class Contents:
         falling: rain and snow, or None.
         plumes: flames and smoke, from near to far.
         puffs: dust and spray, or None.
+        sparks: of fires, or None.
     """
 
     falling: Precipitation | None
     plumes: tuple[PlumeVolume, ...]
     puffs: Puffs | None
+    sparks: Sparks | None
 
 
 class AirbornePass:
@@ -113,6 +116,9 @@ class AirbornePass:
                 share, added = plume.seen(ray, distance, ray_jitter(pixels, number))
                 light += passed * self._in_haze(ray, plume, share, added)
                 passed = passed * share
+            if contents.sparks is not None:
+                dr.eval(ray, distance, passed, light)
+                light += contents.sparks.seen(ray, distance, angle)
             values = dr.empty(mi.Float, 4 * dr.width(pixels))
             for channel, value in enumerate((passed, *light)):
                 dr.scatter(values, value, 4 * dr.arange(mi.UInt32, dr.width(pixels)) + channel)
@@ -156,6 +162,7 @@ def airborne_area(
     for moment in moments:
         spheres = [puff.bounding_sphere for puff in moment.puffs]
         spheres += [plume.bounding_sphere for plume in moment.plumes]
+        spheres += [spark_sphere(plume) for plume in moment.plumes if plume.kind == "flame"]
         area |= picture_area(moment.camera, np.array(spheres).reshape(-1, 4), size)
     return area
 
@@ -174,12 +181,13 @@ def airborne_contents(
     way = np.array([0.0, 1.0, 0.0]) if key is None else key.direction
     lit = PlumeLight(way, np.zeros(3) if key is None else key.irradiance, ambient)
     camera = np.array(moment.camera.p_WC)
-    flames = [plume for plume in moment.plumes if plume.kind == "flame"][:MAX_FLAMES]
+    fires = [plume for plume in moment.plumes if plume.kind == "flame"]
     near = sorted(moment.plumes, key=lambda p: float(np.linalg.norm(np.array(p.p_WP) - camera)))
     return Contents(
         Precipitation.of(weather, ambient, lit.key, moment.time) if weather.falls else None,
-        tuple(PlumeVolume(plume, lit, flames, moment.time) for plume in near),
+        tuple(PlumeVolume(plume, lit, fires[:MAX_FLAMES], moment.time) for plume in near),
         Puffs.of(moment.puffs, lit) if moment.puffs else None,
+        Sparks.of(fires, moment.time) if fires else None,
     )
 
 

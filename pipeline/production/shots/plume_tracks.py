@@ -25,7 +25,7 @@ from render.exposure_meter import daylight
 from render.plume import Plume
 from render.shot import LampPlace
 
-GLOW = 8.5
+GLOW = 11.0
 """Radiance of the middle of flames at night."""
 DAY_SHARE = 0.3
 """The same by day, as a share: the picture is exposed for the sun."""
@@ -96,7 +96,7 @@ class PlumeTracks:
                 "smoke" if is_smoke else "flame",
                 (0.0, 0.0, 0.0),
                 radius=max(fire.radius + 0.5 * fire.size, 0.01),
-                height=fire.height * (1.0 if is_smoke else 1.15),
+                height=fire.height * (1.0 if is_smoke else 1.3),
                 # Gas outruns the flames that it carries.
                 speed=1.5 * fire.height / fire.life,
                 wind=fire.wind,

@@ -19,6 +19,8 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.growth import Growth
+from pipeline.production.scenery.hearth_stones import hearth_stones
+from pipeline.production.scenery.hearths import Hearths
 from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
@@ -159,7 +161,11 @@ class StandingScenery:
         ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
         track = Track.of(clearings, ahead, seed) if is_meadow else None
         is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
-        return Growth(seed, clearings, self.puddles, track, is_dry)
+        return Growth(seed, clearings, self.puddles, track, is_dry, self._hearths)
+
+    @cached_property
+    def _hearths(self) -> Hearths:
+        return Hearths.of(self.scene, self.land.field)
 
     def _worn(self, mesh: Mesh) -> Mesh:
         """Return ground with the bare soil on it."""
@@ -182,12 +188,14 @@ class StandingScenery:
         level = None if self.water is None else self.water.level
         apron = edging.apron if edging else None
         ground = GroundSurface(self.land, horizon, terrain, around, columns, level, apron)
+        rings = hearth_stones(self._hearths, ground, self.view)
+        also = (*(edging.placed if edging else ()), *([] if rings is None else [rings]))
         try:
             return scenery_meshes(
                 *(ground, self.view, self.clearings, self.scatter),
                 *(treads, self.scene.light.weather.ground_wind),
                 *(self._growth, scenery_detail(width)),
-                also=edging.placed if edging else (),
+                also=also,
                 plots=edging.plots if edging else (),
             )
         except TooManyTriangles as error:

@@ -21,8 +21,9 @@ from render.airborne.picture_area import picture_area
 from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
 from render.airborne.precipitation import Precipitation
 from render.airborne.puffs import Puffs
-from render.airborne.sparks import Sparks, spark_sphere
+from render.airborne.sparks import Sparks
 from render.config import Weather
+from render.fire_streaks import spark_sphere
 from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
 from render.lights.key_light import KeyLight

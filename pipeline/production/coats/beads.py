@@ -34,13 +34,13 @@ LEAST_RAIN = 0.15
 ROUGHEST, LEAST_COAT = 0.4, 0.4
 """Roughness up to which a wet skin holds beads, and weight of the film of water from which."""
 
-RADII = 0.0009, 0.0032
+RADII = 0.0009, 0.0042
 """Of beads [m]: many small, few large."""
 
-SMALL = 2.2
+SMALL = 2.8
 """Power of the chance by which there are more small beads than large ones."""
 
-SHARE = 0.11
+SHARE = 0.08
 """Share of a skin that is below beads in heavy rain."""
 
 LEAST_PIXELS = 0.9
@@ -61,10 +61,10 @@ RINGS = ((0.72, 0.72), (1.0, 0.0))
 TILTS = (0.0, 0.62, 0.93)
 """Sine of the angle between the normals of the top and of the rings and that of the skin."""
 
-BRIGHTER, DARKER = 1.9, 0.62
+BRIGHTER, DARKER = 2.4, 0.5
 """Factors on the colour of the skin on the low and on the high side of a bead."""
 
-PALE = 0.02
+PALE = 0.05
 """Grey light that a bead gathers besides."""
 
 

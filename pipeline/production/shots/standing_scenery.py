@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
+from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.edging import Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import soiled_wall
@@ -175,26 +176,28 @@ class StandingScenery:
         material = self.materials[mesh.material]
         return replace(mesh, wear=self._growth.wear(material, self.scene.light.weather, middle))
 
-    def _plants(
-        self, horizon: Mesh, treads: Treads, edging: Edging | None
-    ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
-        """Return the plants and stones over terrain and land."""
+    def ground_surface(self, horizon: Mesh, apron: Apron | None = None) -> GroundSurface:
+        """Return what plants and stones stand on, with the mesh of the land to the horizon."""
         terrain, around = (
             mean_color(self.materials[name])
             for name in (self.take.terrain.material, self.around.material)
         )
-        width = self.width
-        columns = vertices_around(land_detail(width))
+        columns = vertices_around(land_detail(self.width))
         level = None if self.water is None else self.water.level
-        apron = edging.apron if edging else None
-        ground = GroundSurface(self.land, horizon, terrain, around, columns, level, apron)
+        return GroundSurface(self.land, horizon, terrain, around, columns, level, apron)
+
+    def _plants(
+        self, horizon: Mesh, treads: Treads, edging: Edging | None
+    ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+        """Return the plants and stones over terrain and land."""
+        ground = self.ground_surface(horizon, edging.apron if edging else None)
         rings = hearth_stones(self._hearths, ground, self.view)
         also = (*(edging.placed if edging else ()), *([] if rings is None else [rings]))
         try:
             return scenery_meshes(
                 *(ground, self.view, self.clearings, self.scatter),
                 *(treads, self.scene.light.weather.ground_wind),
-                *(self._growth, scenery_detail(width)),
+                *(self._growth, scenery_detail(self.width)),
                 also=also,
                 plots=edging.plots if edging else (),
             )

@@ -28,7 +28,7 @@ blue. Red goes farthest below the surface, and around the edge of a shade."""
 SHADOW_LIFT = 0.004
 """Height above skin from which its shadows are looked for, more than its faces are flat [m]."""
 
-RIM_GAIN, RIM_WHITE, RIM_POWER = 3.0, 0.10, 4
+RIM_GAIN, RIM_WHITE, RIM_POWER = 4.0, 0.18, 4
 """Of thin sheets with sheen, such as strands of hair: how much stronger light is that goes on
 nearly straight ahead, how much of it keeps its own colour besides, and its power of the cosine."""
 

@@ -26,13 +26,13 @@ _LIFE = 1.0, 3.2
 """Of sparks, in the time in which gas rises to the tips of the flames."""
 _SLOWING = 3.0
 """Time in which a spark loses most of its speed, in the same."""
-_RADIUS = 0.0022, 0.0048
+_RADIUS = 0.0016, 0.0042
 """Of sparks [m]."""
-_EMBER_RADIUS = 0.012, 0.05
+_EMBER_RADIUS = 0.02, 0.09
 """Of embers, in the radius of the fire's foot."""
 _HOT, _COOL = (1.0, 0.46, 0.12), (1.0, 0.16, 0.02)
 """Colours of young and of old sparks, linear."""
-_SPARK_GLOW, _EMBER_GLOW = 3.0, 0.9
+_SPARK_GLOW, _EMBER_GLOW = 2.6, 1.3
 """Radiance in that of the flames."""
 
 

@@ -30,7 +30,7 @@ GLOW = 11.0
 DAY_SHARE = 0.3
 """The same by day, as a share: the picture is exposed for the sun."""
 
-LAMP_BRIGHTNESS, LAMP_POWER = 17.0, 0.6
+LAMP_BRIGHTNESS, LAMP_POWER = 13.0, 0.6
 """Brightness of the light of a fire of one square metre, and its growth with the size."""
 LAMP_DAY_SHARE = 0.06
 """Light of a fire by day, as a share of that at night."""

@@ -46,13 +46,13 @@ SHARE = 0.08
 LEAST_PIXELS = 0.9
 """Mean radius in the frame, in pixels, below which beads are not seen."""
 
-MOST = 5_000
+MOST = 3_000
 """Beads of a film."""
 
 HEIGHT, SUNK = 0.62, 0.12
 """Height of a bead, and how far its rim lies below the skin, in its radius."""
 
-AROUND = 7
+AROUND = 6
 """Vertices of each of the two rings of a dome, besides its top."""
 
 RINGS = ((0.72, 0.72), (1.0, 0.0))

@@ -47,8 +47,9 @@ LEVEL = 0.09, 0.2
 RIM = -0.05, 0.1
 """Depths in the noise between which the surface comes out of the ground."""
 
-SUNK, LIFTED, FLOOR_LIFTED = 0.015, 0.011, 0.004
-"""How far below the ground the surface ends, and how far it stands above it and a floor [m]."""
+SUNK, LIFTED, FLOOR_LIFTED = 0.028, 0.011, 0.004
+"""How far below the ground the surface ends, which is more than relief lowers it, and how far it
+stands above it and a floor [m]."""
 
 MUD, DROWNED = (-0.3, 0.0), (-0.1, 0.06)
 """Depths in the noise between which the ground turns to mud, and between which plants end."""

@@ -21,7 +21,7 @@ RIDGES = 7
 GROOVE = 0.030
 """Depth of the grooves between them, in the half width of the body."""
 
-CASE_RINGS = 35
+CASE_RINGS = 30
 
 SQUARENESS = 0.86
 """Exponent of a cross-section's sine and cosine: 1 is an ellipse, less is flatter on top."""

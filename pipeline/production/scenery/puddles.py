@@ -144,7 +144,10 @@ class Puddles:
         middle = np.stack([x, self.ground.height(x, z), z], axis=-1)
         near = view.tile_distances(middle, np.full(len(x), TILE), around=0.0)
         seen = np.flatnonzero(near < REACH)
-        seen = seen[self.depth(x[seen], z[seen]) > 2.0 * RIM[0]]
+        # A tile may be dry in its middle and hold water at its edge.
+        spots = [(a * TILE, b * TILE) for a in (-0.5, 0.0, 0.5) for b in (-0.5, 0.0, 0.5)]
+        depths = [self.depth(x[seen] + a, z[seen] + b) for a, b in spots]
+        seen = seen[np.max(depths, axis=0) > RIM[0]]
         most = BUDGET // (2 * PARTS**2)
         kept = np.sort(seen[np.argsort(near[seen], kind="stable")[:most]])
         return PuddleSurface.of(self, corners[kept]) if len(kept) else None

@@ -52,13 +52,10 @@ class Streaks:
     radiance: Floats
 
 
-def spark_sphere(plume: Plume) -> tuple[float, float, float, float]:
-    """Return the middle in the world and the radius of a sphere around a fire's sparks [m]."""
-    reach = (0.12 + _SLOWING * (1.0 - math.exp(-_LIFE[1] / _SLOWING))) * plume.height
-    drift = 0.5 * _LIFE[1] * plume.height / max(plume.speed, 0.05)
-    x, y, z = plume.p_WP
-    middle = (x + plume.wind[0] * drift, y + 0.45 * reach, z + plume.wind[1] * drift)
-    return *middle, 0.5 * reach + plume.radius
+def streak_spheres(streaks: Streaks) -> Floats:
+    """Return the middles in the world and the radii (N, 4) of spheres around streaks [m]."""
+    half = 0.5 * np.linalg.norm(streaks.head - streaks.tail, axis=-1) + streaks.radius
+    return np.column_stack([0.5 * (streaks.head + streaks.tail), half])
 
 
 def fire_streaks(plume: Plume, time: float) -> Streaks:

@@ -23,7 +23,7 @@ from render.airborne.precipitation import Precipitation
 from render.airborne.puffs import Puffs
 from render.airborne.sparks import Sparks
 from render.config import Weather
-from render.fire_streaks import spark_sphere
+from render.fire_streaks import fire_streaks, streak_spheres
 from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
 from render.lights.key_light import KeyLight
@@ -119,7 +119,7 @@ class AirbornePass:
                 passed = passed * share
             if contents.sparks is not None:
                 dr.eval(ray, distance, passed, light)
-                light += contents.sparks.seen(ray, distance, angle)
+                light += contents.sparks.seen(pixels, ray, distance, angle)
             values = dr.empty(mi.Float, 4 * dr.width(pixels))
             for channel, value in enumerate((passed, *light)):
                 dr.scatter(values, value, 4 * dr.arange(mi.UInt32, dr.width(pixels)) + channel)
@@ -163,13 +163,20 @@ def airborne_area(
     for moment in moments:
         spheres = [puff.bounding_sphere for puff in moment.puffs]
         spheres += [plume.bounding_sphere for plume in moment.plumes]
-        spheres += [spark_sphere(plume) for plume in moment.plumes if plume.kind == "flame"]
         area |= picture_area(moment.camera, np.array(spheres).reshape(-1, 4), size)
+        for plume in moment.plumes:
+            if plume.kind == "flame":
+                sparks = streak_spheres(fire_streaks(plume, moment.time))
+                area |= picture_area(moment.camera, sparks, size)
     return area
 
 
 def airborne_contents(
-    moment: Moment, weather: Weather, key: KeyLight | None, ambient: Vector
+    moment: Moment,
+    weather: Weather,
+    key: KeyLight | None,
+    ambient: Vector,
+    size: tuple[int, int],
 ) -> Contents:
     """Return what is in the air at a moment.
 
@@ -178,6 +185,7 @@ def airborne_contents(
         weather: of its scene.
         key: the key light, or None.
         ambient: (3,) mean radiance from all directions.
+        size: width and height of the frame [pixels].
     """
     way = np.array([0.0, 1.0, 0.0]) if key is None else key.direction
     lit = PlumeLight(way, np.zeros(3) if key is None else key.irradiance, ambient)
@@ -188,7 +196,7 @@ def airborne_contents(
         Precipitation.of(weather, ambient, lit.key, moment.time) if weather.falls else None,
         tuple(PlumeVolume(plume, lit, fires[:MAX_FLAMES], moment.time) for plume in near),
         Puffs.of(moment.puffs, lit) if moment.puffs else None,
-        Sparks.of(fires, moment.time) if fires else None,
+        Sparks.of(fires, moment.time, moment.camera, size) if fires else None,
     )
 
 

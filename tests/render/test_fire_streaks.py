@@ -6,18 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.fire_streaks import fire_streaks, spark_sphere
+from render.fire_streaks import fire_streaks, streak_spheres
 from render.plume import Plume
 
 FIRE = Plume("flame", (1.0, 0.2, -2.0), 0.3, 1.2, 2.0, (0.3, 0.1), (1.0, 0.2, 0.01), 11.0, 3)
 
 
-def test_sparks_stay_in_their_sphere_and_rise() -> None:
-    x, y, z, radius = spark_sphere(FIRE)
+def test_sparks_rise_from_their_fire() -> None:
     times = np.linspace(0.0, 9.0, 40)
     found = [fire_streaks(FIRE, t) for t in times]
     heads = np.concatenate([one.head for one in found])
-    assert (np.linalg.norm(heads - [x, y, z], axis=-1) < radius).all()
+    assert (np.linalg.norm(heads - FIRE.p_WP, axis=-1) < 3.5 * FIRE.height).all()
+    for one in found:
+        middle, radius = np.split(streak_spheres(one), [3], axis=1)
+        for end in (one.head, one.tail):
+            assert (np.linalg.norm(end - middle, axis=-1) < radius[:, 0]).all()
     flies = np.concatenate([(one.head != one.tail).any(axis=-1) for one in found])
     rise = np.concatenate([one.head[:, 1] - one.tail[:, 1] for one in found])
     assert 0.1 < flies.mean() < 0.9

@@ -240,7 +240,9 @@ class MitsubaScene:
     def add_airborne(self, exposure: AirborneExposure, moment: Moment, k: int, count: int) -> None:
         """Add what is in the air at the k-th of `count` moments of an exposure."""
         around = self._around
-        contents = airborne_contents(moment, self._light.weather, around.key, around.ambient)
+        contents = airborne_contents(
+            moment, self._light.weather, around.key, around.ambient, self._film.size
+        )
         # Rain is sharp by itself; the edges of what is before flames are not.
         rays = PLUME_RAYS if contents.plumes else PUFF_RAYS if contents.puffs else 1
         rays = -(-rays // count)

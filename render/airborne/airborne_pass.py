@@ -21,7 +21,9 @@ from render.airborne.picture_area import picture_area
 from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
 from render.airborne.precipitation import OpenLens, Precipitation
 from render.airborne.puffs import Puffs
+from render.airborne.sparks import Sparks
 from render.config import Weather
+from render.fire_streaks import fire_streaks, streak_spheres
 from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
 from render.lights.key_light import KeyLight
@@ -47,11 +49,13 @@ class Contents:
         falling: rain and snow, or None.
         plumes: flames and smoke, from near to far.
         puffs: dust and spray, or None.
+        sparks: of fires, or None.
     """
 
     falling: Precipitation | None
     plumes: tuple[PlumeVolume, ...]
     puffs: Puffs | None
+    sparks: Sparks | None
 
 
 class AirbornePass:
@@ -113,6 +117,9 @@ class AirbornePass:
                 share, added = plume.seen(ray, distance, ray_jitter(pixels, number))
                 light += passed * self._in_haze(ray, plume, share, added)
                 passed = passed * share
+            if contents.sparks is not None:
+                dr.eval(ray, distance, passed, light)
+                light += contents.sparks.seen(pixels, ray, distance, angle)
             values = dr.empty(mi.Float, 4 * dr.width(pixels))
             for channel, value in enumerate((passed, *light)):
                 dr.scatter(values, value, 4 * dr.arange(mi.UInt32, dr.width(pixels)) + channel)
@@ -157,11 +164,19 @@ def airborne_area(
         spheres = [puff.bounding_sphere for puff in moment.puffs]
         spheres += [plume.bounding_sphere for plume in moment.plumes]
         area |= picture_area(moment.camera, np.array(spheres).reshape(-1, 4), size)
+        for plume in moment.plumes:
+            if plume.kind == "flame":
+                sparks = streak_spheres(fire_streaks(plume, moment.time))
+                area |= picture_area(moment.camera, sparks, size)
     return area
 
 
 def airborne_contents(
-    moment: Moment, weather: Weather, key: KeyLight | None, ambient: Vector
+    moment: Moment,
+    weather: Weather,
+    key: KeyLight | None,
+    ambient: Vector,
+    size: tuple[int, int],
 ) -> Contents:
     """Return what is in the air at a moment.
 
@@ -170,11 +185,12 @@ def airborne_contents(
         weather: of its scene.
         key: the key light, or None.
         ambient: (3,) mean radiance from all directions.
+        size: width and height of the frame [pixels].
     """
     way = np.array([0.0, 1.0, 0.0]) if key is None else key.direction
     lit = PlumeLight(way, np.zeros(3) if key is None else key.irradiance, ambient)
     camera = np.array(moment.camera.p_WC)
-    flames = [plume for plume in moment.plumes if plume.kind == "flame"][:MAX_FLAMES]
+    fires = [plume for plume in moment.plumes if plume.kind == "flame"]
     near = sorted(moment.plumes, key=lambda p: float(np.linalg.norm(np.array(p.p_WP) - camera)))
     falling = None
     if weather.falls:
@@ -182,8 +198,9 @@ def airborne_contents(
         falling = Precipitation.of(weather, ambient, lit.key, moment.time, lens)
     return Contents(
         falling,
-        tuple(PlumeVolume(plume, lit, flames, moment.time) for plume in near),
+        tuple(PlumeVolume(plume, lit, fires[:MAX_FLAMES], moment.time) for plume in near),
         Puffs.of(moment.puffs, lit) if moment.puffs else None,
+        Sparks.of(fires, moment.time, moment.camera, size) if fires else None,
     )
 
 

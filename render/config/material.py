@@ -61,7 +61,11 @@ class Material(PresetModel):
     roughness: Unit = Field(0.5, description="0 is a mirror, 1 is chalk.")
     metallic: Unit = Field(0.0, description="0 is a dielectric, 1 is bare metal.")
     clearcoat: Unit = Field(0.0, description="Weight of a clear, glossy coat.")
-    sheen: Unit = Field(0.0, description="Weight of a soft gloss at the rim, as of velvet.")
+    sheen: Unit = Field(
+        0.0,
+        description="Weight of a soft gloss at the rim, as of velvet; of what is translucent, of a "
+        "bright rim before a light, as of hair.",
+    )
     subsurface: Unit = Field(
         0.0,
         description="How far light that scatters below the surface, as in skin, softens the edge "
@@ -106,12 +110,12 @@ class Material(PresetModel):
 
     @model_validator(mode="after")
     def _translucent_is_dull(self) -> Material:
-        shines = self.metallic or self.clearcoat or self.sheen or self.transmission
+        shines = self.metallic or self.clearcoat or self.transmission
         shines = shines or self.subsurface
         if self.translucency and (shines or self.roughness < DIFFUSE_ROUGHNESS):
             raise ValueError(
                 f"translucency needs a dull surface: roughness of at least {DIFFUSE_ROUGHNESS:g}, "
-                "and no metallic, clearcoat, sheen, subsurface or transmission"
+                "and no metallic, clearcoat, subsurface or transmission"
             )
         return self
 

@@ -28,6 +28,10 @@ blue. Red goes farthest below the surface, and around the edge of a shade."""
 SHADOW_LIFT = 0.004
 """Height above skin from which its shadows are looked for, more than its faces are flat [m]."""
 
+RIM_GAIN, RIM_WHITE, RIM_POWER = 4.0, 0.18, 4
+"""Of thin sheets with sheen, such as strands of hair: how much stronger light is that goes on
+nearly straight ahead, how much of it keeps its own colour besides, and its power of the cosine."""
+
 LEAST_COSINE = 0.02
 """Cosine from which on light that grazes a surface is no longer strengthened."""
 
@@ -106,16 +110,20 @@ def diffuse_bsdf(shader: Shader, values: dict[str, Any]) -> Any:
     return surface
 
 
-def thin_bsdf(shader: Shader, values: dict[str, Any], translucency: float) -> Any:
+def thin_bsdf(
+    shader: Shader, values: dict[str, Any], translucency: float, sheen: float = 0.0
+) -> Any:
     """Return a thin diffuse sheet, `mi.BSDF`, that some light passes through.
 
     Args:
         shader: its colour and normal.
         values: see `diffuse_bsdf`.
         translucency: share of the scattered light that leaves on the other side.
+        sheen: strength of the bright rim that strands have before a light.
     """
     surface = plugin(_ThinBsdf, "BSDF")
     surface.shader, surface.values, surface.translucency = shader, values, translucency
+    surface.sheen = sheen
     both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
     scattered = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.DiffuseTransmission
     surface.m_flags = scattered | mi.BSDFFlags.SpatiallyVarying | both
@@ -212,6 +220,7 @@ class _ThinBsdf(_DiffuseBsdf):
     """Methods of `mi.BSDF` for a thin diffuse sheet."""
 
     translucency: float
+    sheen: float
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         del ctx
@@ -234,15 +243,29 @@ class _ThinBsdf(_DiffuseBsdf):
         found.eta = 1.0
         found.sampled_type = mi.UInt32(+mi.BSDFFlags.DiffuseReflection)
         found.sampled_component = 0
-        return value, pdf, found, dr.select(is_above, color, 0.0)
+        weight = self._rimmed(color, si.wi, found.wo)
+        return value, pdf, found, dr.select(is_above, weight, 0.0)
 
     def _scattered(self, color: Any, bent: Any, wi: Any, wo: Any, active: Any) -> tuple[Any, Any]:
         """Return the value, times the cosine, and the density of scattering into `wo`."""
         side = _side_of(wi)
         mirrored = mi.Vector3f(wo.x, wo.y, dr.abs(wo.z) * side)
-        value, pdf = _diffuse(color, bent, side, mirrored, active)
+        value, pdf = _diffuse(self._rimmed(color, wi, wo), bent, side, mirrored, active)
         share = dr.select(wo.z * side > 0, 1.0 - self.translucency, self.translucency)
         return value * share, pdf * share
+
+    def _rimmed(self, color: Any, wi: Any, wo: Any) -> Any:
+        """Return the colour in which light goes on into `wo`.
+
+        A stand-in for the forward lobes of hair, which shine before a light: what goes through a
+        strand, in its colour, and what glances off it, in that of the light.
+
+        Source: S. Marschner et al., Light scattering from human hair fibers, 2003.
+        """
+        if self.sheen == 0.0:
+            return color
+        ahead = self.sheen * dr.maximum(-dr.dot(wi, wo), 0.0) ** RIM_POWER
+        return color * (1.0 + RIM_GAIN * ahead) + RIM_WHITE * ahead
 
     def to_string(self) -> str:
         return f"ThinBsdf[{self.translucency}]"

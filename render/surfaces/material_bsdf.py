@@ -89,7 +89,7 @@ def material_bsdf(
         shown = material if has_pattern else material.model_copy(update=_NO_PATTERN)
         shader = GroundShader(shown, is_warned, footprints, has_cover=has_cover, wear=wear)
     if is_thin:
-        return thin_bsdf(shader, shader.values, material.translucency)
+        return thin_bsdf(shader, shader.values, material.translucency, material.sheen)
     if is_diffuse(material):
         return diffuse_bsdf(shader, shader.values)
     return glossy_bsdf(material, shader, shader.values)

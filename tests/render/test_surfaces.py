@@ -247,6 +247,38 @@ def test_skin_has_a_soft_red_edge_of_its_shade_and_the_same_energy(renderer: Ren
     assert red > 1.6 > 1.2 > green > 1.0 > blue > 0.7
 
 
+def test_strands_shine_before_a_light(renderer: Renderer) -> None:
+    del renderer
+    import drjit as dr
+    import mitsuba as mi
+
+    from render.surfaces.bsdf_plugins import thin_bsdf
+
+    def look(si: Any) -> tuple[Any, Any]:
+        del si
+        return mi.Color3f(0.1), mi.Normal3f(0, 0, 1)
+
+    n = 200_000
+    si: Any = dr.zeros(mi.SurfaceInteraction3f, n)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(0, 0, 1))
+    si.n, si.wi = mi.Normal3f(0, 0, 1), dr.normalize(mi.Vector3f(1, 0, 0.4))
+    rng = np.random.default_rng(9)
+    u, chosen = mi.Point2f(*rng.random((2, n))), mi.Float(rng.random(n))
+    around = mi.warp.square_to_uniform_sphere(mi.Point2f(*rng.random((2, n))))
+    ahead = np.array(dr.dot(around, si.wi)) < -0.9
+    behind = np.array(dr.dot(around, si.wi)) > 0.0
+    ctx, values = mi.BSDFContext(), {}
+    for sheen in (0.0, 1.0):
+        surface = thin_bsdf(look, {}, 0.35, sheen)
+        _, weight = surface.sample(ctx, si, chosen, u)
+        values[sheen] = np.array(surface.eval(ctx, si, around))[0]
+        # Sampled and evaluated alike.
+        mean = 4.0 * np.pi * values[sheen].mean()
+        assert np.array(weight)[0].mean() == pytest.approx(mean, rel=0.02)
+    assert values[1.0][ahead].mean() > 4.0 * values[0.0][ahead].mean()
+    np.testing.assert_allclose(values[1.0][behind], values[0.0][behind], rtol=1e-6)
+
+
 _MEANS = """
 import json, sys
 sys.path[:0] = [sys.argv[1]]

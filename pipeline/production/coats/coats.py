@@ -19,10 +19,11 @@ from render.shot import CameraPose, Mesh
 HAIR, FEATHERS = "coat hair", "coat feathers"
 
 MATERIALS: Mapping[str, Material] = {
-    HAIR: Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.3),
-    FEATHERS: Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.2),
+    HAIR: Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.35, sheen=1.0),
+    FEATHERS: Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.2, sheen=0.5),
 }
-"""Of strands, whose colours are those of their vertices. They let light through at their rims."""
+"""Of strands, whose colours are those of their vertices. They let light through at their rims,
+which are bright before a light."""
 
 GROWING = ("fur", "plumage")
 """Textures of the materials on which a coat grows."""

@@ -264,7 +264,7 @@ def grown_pelt(
     tint = np.exp((VANE_TINT if vanes else TINT) * np.clip(draw.normal(size=count), -2.0, 2.0))
     places = list((0, 1, 1, 1, 2, 2, 2) if vanes else (0, 0, 1, 1, 2))
     shades, bleached = (np.array(values)[places, None] for values in (SHADES, BLEACHED))
-    base = _skin_colors(mesh, material, corners, shares)
+    base = skin_colors(mesh, material, corners, shares)
     colors = base[:, None] ** SCATTERED * tint[:, None, None] * shades + bleached
     pattern = VANE if vanes else RIBBON
     faces = pattern + (int(pattern.max()) + 1) * np.arange(count)[:, None, None]
@@ -283,7 +283,7 @@ def grown_pelt(
     )
 
 
-def _skin_colors(
+def skin_colors(
     mesh: TakeMesh, material: Material, corners: NDArray[np.int64], shares: Array
 ) -> Array:
     """Return the linear colours (N, 3) of the skin at the roots."""

@@ -16,6 +16,7 @@ from scipy.ndimage import (
     map_coordinates,
 )
 
+from pipeline.production.scenery.hearths import Hearths
 from pipeline.production.shots.skinning import Skin, spread_vertices, visible_parts
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Take
@@ -85,12 +86,12 @@ class Clearings:
     UNIT = 0.05
 
     @staticmethod
-    def of(take: Take, hearths: Array | None = None) -> Clearings | None:
+    def of(take: Take, hearths: Hearths | None = None) -> Clearings | None:
         """Return the clearings of a take, None of one without visible performers.
 
         Args:
             take: of the performers.
-            hearths: (n, 3) x, z and radius of fires on the ground [m].
+            hearths: fires on the ground, None without any.
         """
         if not take.parts:
             return None
@@ -98,8 +99,8 @@ class Clearings:
         kept = [p for p in points if len(p)]
         if not kept:
             return None
-        burning = np.zeros((0, 3)) if hearths is None else hearths
-        every = np.concatenate([*(moment[:, :2] for moment in kept), burning[:, :2]])
+        fires = [] if hearths is None else [hearths.places]
+        every = np.concatenate([*(moment[:, :2] for moment in kept), *fires])
         low, high = every.min(axis=0) - BORDER, every.max(axis=0) + BORDER
         cell = max(LEAST_CELL, float((high - low).max()) / MAX_SIDE)
         columns, rows = np.ceil((high - low) / cell).astype(int) + 1
@@ -112,7 +113,7 @@ class Clearings:
             near = moment[:, 2] < LOW
             here[j[near], i[near]] = True
             stays += here
-        scorched = _discs(burning, low, used.shape, cell)
+        scorched = _discs(hearths, low, used.shape, cell)
         used |= scorched
         distance = np.minimum(distance_transform_edt(~used) * cell / Clearings.UNIT, 255)
         return Clearings(
@@ -188,11 +189,13 @@ def _outlines(take: Take) -> list[Array]:
     return _low_points(take, max(POINTS, min(ALL_POINTS // len(take.parts), OUTLINE_POINTS)))
 
 
-def _discs(hearths: Array, low: Array, shape: tuple[int, int], cell: float) -> Mask:
-    """Return the cells (rows, columns) of fires (n, 3) and of the scorched ground around them."""
+def _discs(hearths: Hearths | None, low: Array, shape: tuple[int, int], cell: float) -> Mask:
+    """Return the cells (rows, columns) of fires and of the scorched ground around them."""
     covered = np.zeros(shape, bool)
+    if hearths is None:
+        return covered
     z, x = (np.arange(count) * cell + low[k] for count, k in zip(shape, (1, 0), strict=True))
-    for at_x, at_z, radius in hearths:
+    for (at_x, at_z), radius in zip(hearths.places, hearths.radii, strict=True):
         covered |= np.hypot(x[None] - at_x, z[:, None] - at_z) < radius + SCORCHED
     return covered
 

@@ -55,6 +55,9 @@ TALLER = 0.4
 LOW = 0.3
 """Height of low species [m]."""
 
+SMALL = 1.4
+"""Power of the chance by which there are more small things than large ones."""
+
 Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
 
 
@@ -133,11 +136,17 @@ def _levels(placed: Placed, detail: float) -> NDArray[np.int64]:
     return np.searchsorted(np.array(species.levels), apparent)
 
 
+def size_chance(sizes: Array, span: tuple[float, float]) -> Array:
+    """Return the chances (N,) of sizes (N,) of a species, inverse of `_sizes` of size 1."""
+    low, high = span
+    return np.asarray((np.log(sizes / low) / np.log(high / low)).clip(0.0) ** (1 / SMALL))
+
+
 def _sizes(placed: Placed) -> Array:
     """Return the sizes (N,): many small, few large."""
     low, high = KINDS[placed.name].sizes
     part = placed.chance[:, 2]
-    sizes = np.asarray(low * (high / low) ** (part**1.4)) * placed.size
+    sizes = np.asarray(low * (high / low) ** (part**SMALL)) * placed.size
     # A crop stands even.
     if KINDS[placed.name].widens and KINDS[placed.name].habitat != "open":
         sizes = sizes * vigour(placed.points[:, [0, 2]])

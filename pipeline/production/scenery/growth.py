@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.hearths import Hearths
 from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.track import Track
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
@@ -100,6 +101,7 @@ class Growth:
         track: over the meadow, None without one.
         dry: whether it is dry land: beds of streams that are dry cross it, and stones lie along
             them and in patches.
+        hearths: of fires, which are bare, None without any.
     """
 
     seed: int
@@ -107,6 +109,7 @@ class Growth:
     puddles: Puddles | None = None
     track: Track | None = None
     dry: bool = False
+    hearths: Hearths | None = None
 
     def worn(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
@@ -122,6 +125,8 @@ class Growth:
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
         if self.dry:
             result = np.maximum(result, self.wash(places))
+        if self.hearths is not None:
+            result = np.maximum(result, self.hearths.bare(places, uneven))
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def drawn(self, x: Array, z: Array) -> Array:

@@ -47,8 +47,9 @@ LEVEL = 0.09, 0.2
 RIM = -0.05, 0.1
 """Depths in the noise between which the surface comes out of the ground."""
 
-SUNK, LIFTED, FLOOR_LIFTED = 0.015, 0.011, 0.004
-"""How far below the ground the surface ends, and how far it stands above it and a floor [m]."""
+SUNK, LIFTED, FLOOR_LIFTED = 0.028, 0.011, 0.004
+"""How far below the ground the surface ends, which is more than relief lowers it, and how far it
+stands above it and a floor [m]."""
 
 CRUMBS = 0.07, 0.09
 """Height of crumbs in the noise and their width [m]."""
@@ -148,7 +149,10 @@ class Puddles:
         middle = np.stack([x, self.ground.height(x, z), z], axis=-1)
         near = view.tile_distances(middle, np.full(len(x), TILE), around=0.0)
         seen = np.flatnonzero(near < REACH)
-        seen = seen[self.depth(x[seen], z[seen]) > 2.0 * RIM[0]]
+        # A tile may be dry in its middle and hold water at its edge.
+        spots = [(a * TILE, b * TILE) for a in (-0.5, 0.0, 0.5) for b in (-0.5, 0.0, 0.5)]
+        depths = [self.depth(x[seen] + a, z[seen] + b) for a, b in spots]
+        seen = seen[np.max(depths, axis=0) > RIM[0]]
         most = BUDGET // (2 * PARTS**2)
         kept = np.sort(seen[np.argsort(near[seen], kind="stable")[:most]])
         return PuddleSurface.of(self, corners[kept]) if len(kept) else None

@@ -41,7 +41,8 @@ class FilmTracks:
         tones: exposure and contrast of each frame; empty before they are metered.
         clearings: where performers are, if anything is scattered over the ground.
         cuts: of the film, in the order of time.
-        grain: (P,) least size of a pixel on each visible part [m]; empty where no coat grows.
+        grain: (P,) least size of a pixel on each visible part [m]; empty where no coat grows and
+            no bead stands.
     """
 
     poses: tuple[CameraPose, ...]

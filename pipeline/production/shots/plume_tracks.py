@@ -17,7 +17,6 @@ from pipeline.production.shots.skinning import interpolated_poses
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
-from pipeline.simulation.terrain.heightfield import surface_of_vertices
 from pipeline.spec.group import Fire, Group
 from pipeline.spec.scene import Scene
 from render.color import linear
@@ -26,12 +25,12 @@ from render.exposure_meter import daylight
 from render.plume import Plume
 from render.shot import LampPlace
 
-GLOW = 8.5
+GLOW = 11.0
 """Radiance of the middle of flames at night."""
 DAY_SHARE = 0.3
 """The same by day, as a share: the picture is exposed for the sun."""
 
-LAMP_BRIGHTNESS, LAMP_POWER = 17.0, 0.6
+LAMP_BRIGHTNESS, LAMP_POWER = 13.0, 0.6
 """Brightness of the light of a fire of one square metre, and its growth with the size."""
 LAMP_DAY_SHARE = 0.06
 """Light of a fire by day, as a share of that at night."""
@@ -41,9 +40,6 @@ _FLICKER, _FLICKER_RATE = 0.32, 7.0
 """Amplitude and frequency of the flickering [Hz]."""
 _BEHIND = 0.55
 """Share of the motion of a torch that its flames lag behind."""
-
-HEARTH_HEIGHT = 0.3
-"""Height of a fire over the ground below which nothing grows under it [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +96,7 @@ class PlumeTracks:
                 "smoke" if is_smoke else "flame",
                 (0.0, 0.0, 0.0),
                 radius=max(fire.radius + 0.5 * fire.size, 0.01),
-                height=fire.height * (1.0 if is_smoke else 1.15),
+                height=fire.height * (1.0 if is_smoke else 1.3),
                 # Gas outruns the flames that it carries.
                 speed=1.5 * fire.height / fire.life,
                 wind=fire.wind,
@@ -118,18 +114,6 @@ class PlumeTracks:
     def performers(self) -> frozenset[str]:
         """Names of the groups whose flames are not shown one by one."""
         return frozenset(source.performer for source in self.sources)
-
-    def hearths(self, take: Take) -> Array:
-        """Return x, z and radius (n, 3) of the fires that burn on the ground [m]."""
-        ground = surface_of_vertices(take.terrain.vertices, take.terrain.cells)
-        flames = [s for s in self.sources if s.plume.kind == "flame" and s.node < 0]
-        found = [
-            (x, z, source.plume.radius)
-            for source in flames
-            for x, y, z in [source.place.tolist()]
-            if y - float(ground.height(np.array(x), np.array(z))) < HEARTH_HEIGHT
-        ]
-        return np.array(found, float).reshape(-1, 3)
 
     def placed(self, take: Take, at: float) -> tuple[Plume, ...]:
         """Return the plumes at a row of the take or between two."""

@@ -17,6 +17,8 @@ from pipeline.production.camera.director.edit_decision import EditDecision
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
+from pipeline.production.coats.beads import MATERIALS as BEAD_MATERIALS
+from pipeline.production.coats.beads import Beads, holds_beads
 from pipeline.production.coats.coats import MATERIALS as COAT_MATERIALS
 from pipeline.production.coats.coats import Coats
 from pipeline.production.coats.grain import finest_pixels
@@ -25,6 +27,7 @@ from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.film_view import FilmView
+from pipeline.production.scenery.hearths import Hearths
 from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
 from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.scatter_choice import ScatterChoice
@@ -131,6 +134,7 @@ class ShotBuilder:
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
         self._coats = self._grown_coats()
+        self._beads = self._standing_beads()
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
         ground = self.materials[take.terrain.material]
@@ -217,8 +221,13 @@ class ShotBuilder:
         has_footprints = self._scene.terrain.footprints
         poses = tuple(pose for cut in self._filmed for pose in cut.poses)
         spares = bool(self._scatter.wanted or self._edging)
-        hearths = self._plumes.hearths(self.take)
-        grows = any(len(mesh.hair) for mesh in self.take.meshes)
+        hearths = Hearths.of(self._scene, self._land.field)
+        rain = self._scene.light.weather.rain
+        grows = any(
+            len(mesh.hair) or holds_beads(mesh, self.materials[part.material], rain)
+            for part in visible_parts(self.take)
+            for mesh in [self.take.meshes[part.seen]]
+        )
         height = self.film.size[1]
         return FilmTracks(
             poses,
@@ -263,6 +272,8 @@ class ShotBuilder:
         if self._coats is not None:
             skins = np.split(vertices, self._skin.starts[1:-1])
             meshes += self._coats.at(at, skins, camera, self.film.size[1])
+        if self._beads is not None:
+            meshes += self._beads.at(at, np.split(vertices, self._skin.starts[1:-1]))
         puddles = self._standing.puddle_surface
         if puddles is not None:
             meshes.append(puddles.at(self._time(frame, part)))
@@ -280,6 +291,16 @@ class ShotBuilder:
         if coats is not None:
             self.materials = {**self.materials, **COAT_MATERIALS}
         return coats
+
+    def _standing_beads(self) -> Beads | None:
+        """Return the drops on smooth skins that are out in the rain, None without any."""
+        if not len(self.tracks.grain):
+            return None
+        rain, seed = self._scene.light.weather.rain, self._scene.seed
+        beads = Beads.of(self.take, self.materials, self.tracks.grain, rain, seed)
+        if beads is not None:
+            self.materials = {**self.materials, **BEAD_MATERIALS}
+        return beads
 
     def _time(self, frame: int, part: float) -> float:
         """Return the time since the film began [s], 0 where light, water and air stand still."""

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
+from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.edging import Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import soiled_wall
@@ -19,6 +20,8 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.growth import Growth
+from pipeline.production.scenery.hearth_stones import hearth_stones
+from pipeline.production.scenery.hearths import Hearths
 from pipeline.production.scenery.placement import Placed
 from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
@@ -174,7 +177,11 @@ class StandingScenery:
         ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
         track = Track.of(clearings, ahead, seed) if is_meadow else None
         is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
-        return Growth(seed, clearings, self.puddles, track, is_dry)
+        return Growth(seed, clearings, self.puddles, track, is_dry, self._hearths)
+
+    @cached_property
+    def _hearths(self) -> Hearths:
+        return Hearths.of(self.scene, self.land.field)
 
     def _worn(self, mesh: Mesh) -> Mesh:
         """Return ground with the bare soil on it."""
@@ -184,22 +191,26 @@ class StandingScenery:
         material = self.materials[mesh.material]
         return replace(mesh, wear=self._growth.wear(material, self.scene.light.weather, middle))
 
-    def _plants(self, horizon: Mesh, edging: Edging | None) -> list[Placed]:
-        """Return the plants and stones over terrain and land."""
+    def ground_surface(self, horizon: Mesh, apron: Apron | None = None) -> GroundSurface:
+        """Return what plants and stones stand on, with the mesh of the land to the horizon."""
         terrain, around = (
             mean_color(self.materials[name])
             for name in (self.take.terrain.material, self.around.material)
         )
-        width = self.width
-        columns = vertices_around(land_detail(width))
+        columns = vertices_around(land_detail(self.width))
         level = None if self.water is None else self.water.level
-        apron = edging.apron if edging else None
-        ground = GroundSurface(self.land, horizon, terrain, around, columns, level, apron)
+        return GroundSurface(self.land, horizon, terrain, around, columns, level, apron)
+
+    def _plants(self, horizon: Mesh, edging: Edging | None) -> list[Placed]:
+        """Return the plants and stones over terrain and land."""
+        ground = self.ground_surface(horizon, edging.apron if edging else None)
+        rings = hearth_stones(self._hearths, ground, self.view)
+        also = (*(edging.placed if edging else ()), *([] if rings is None else [rings]))
         try:
             return placed_scenery(
                 *(ground, self.view, self.clearings, self.scatter),
-                *(self._growth, scenery_detail(width)),
-                also=edging.placed if edging else (),
+                *(self._growth, scenery_detail(self.width)),
+                also=also,
                 plots=edging.plots if edging else (),
             )
         except TooManyTriangles as error:

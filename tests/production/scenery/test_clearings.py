@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from pipeline.production.scenery.clearings import STAYS, UNDER, Clearings, _enclosed
-from pipeline.production.shots.plume_tracks import PlumeTracks
+from pipeline.production.scenery.hearths import Hearths
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 from pipeline.spec import read_scene
 
 CELL, CORNER, SHAPE = 0.06, np.array([-3.0, -3.0]), (101, 101)
@@ -69,7 +70,7 @@ def test_nothing_grows_through_a_seat_nor_a_slab() -> None:
 def test_nothing_grows_in_a_fire() -> None:
     ball = "{prop: {shape: ball}, at: [2, 0.1, 0]}"
     take = take_of(ball)
-    found = Clearings.of(take, np.array([[-2.0, 1.0, 0.4]]))
+    found = Clearings.of(take, Hearths(0, np.array([[-2.0, 1.0]]), np.array([0.4])))
     assert found is not None
     assert all(covered(found, (-2.0, 1.0), (-2.5, 1.0), (-2.0, 0.5)))
     assert not any(covered(found, (-3.0, 1.0)))
@@ -92,4 +93,7 @@ cast:
 """
     scene = read_scene(text)
     take = simulate(scene)
-    assert PlumeTracks.of(scene, take).hearths(take) == pytest.approx(np.array([[1, 2, 0.4]]))
+    field = surface_of_vertices(take.terrain.vertices, take.terrain.cells)
+    found = Hearths.of(scene, field)
+    assert found.places == pytest.approx(np.array([[1, 2]]))
+    assert found.radii == pytest.approx([0.4])

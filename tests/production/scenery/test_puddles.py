@@ -106,3 +106,16 @@ def test_rings_come_and_go_and_any_frame_can_be_made_alone() -> None:
     # Most of the water is calm at any moment, and no ring stands above the ripple it is.
     assert 0.02 < (first.normals[:, 1] < 0.999).mean() < 0.7
     assert abs(first.vertices[:, 1] - made.mesh.vertices[:, 1]).max() < 0.004
+
+
+def test_the_surface_ends_in_the_ground_and_nowhere_in_the_air() -> None:
+    mesh = surface(level()).mesh
+    edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    # Tiles have vertices of their own, so that edges are told by their places, to a millimetre.
+    middles = np.rint(1e3 * mesh.vertices[edges][..., [0, 2]].mean(axis=1) + 0.43).astype(int)
+    _, first, count = np.unique(middles, axis=0, return_index=True, return_counts=True)
+    ends = mesh.vertices[edges[first[count == 1]]].mean(axis=1)
+    # In the frame, and nearer than the budget of triangles ends.
+    near = (np.abs(ends[:, 0]) < 0.9) & (np.abs(ends[:, 2] - 2.0) < 1.5)
+    assert near.sum() > 20
+    assert ends[near, 1].max() < 0.0

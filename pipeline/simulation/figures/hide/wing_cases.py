@@ -21,12 +21,12 @@ RIDGES = 7
 GROOVE = 0.030
 """Depth of the grooves between them, in the half width of the body."""
 
-CASE_RINGS = 23
+CASE_RINGS = 30
 
 SQUARENESS = 0.86
 """Exponent of a cross-section's sine and cosine: 1 is an ellipse, less is flatter on top."""
 
-RIM_COLOR, GROOVE_COLOR = "#a8642a", "#070605"
+RIM_COLOR, GROOVE_COLOR = "#6f5426", "#070605"
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def wing_case(plan: ShellPlan, side: float) -> tuple[Solid, Paint]:
     dark = np.concatenate([[0.9, 0.7], 0.75 * in_groove, [0.0, 0.0, 0.0, 0.8]])
     bright = np.concatenate([np.zeros(len(u)), [0.25], np.ones(5)])
     bright[len(u)] = 0.35
-    for color, share in ((GROOVE_COLOR, dark), (RIM_COLOR, 0.8 * bright)):
+    for color, share in ((GROOVE_COLOR, dark), (RIM_COLOR, 0.7 * bright)):
         lay(paint, color, np.concatenate([np.tile(share, len(t)), [0.0, 0.0]]))
     return solid, paint
 
@@ -138,7 +138,7 @@ def pronotum(plan: ShellPlan) -> tuple[Solid, Paint]:
     dark = np.concatenate([groove, [0.0, 0.0, 0.0]])
     dark = 0.6 * np.concatenate([dark[:0:-1], dark])
     lay(paint, GROOVE_COLOR, np.concatenate([np.tile(dark, len(t)), [0.0, 0.0]]))
-    lay(paint, RIM_COLOR, 0.8 * np.concatenate([np.tile(rim, len(t)), [0.0, 0.0]]))
+    lay(paint, RIM_COLOR, 0.6 * np.concatenate([np.tile(rim, len(t)), [0.0, 0.0]]))
     return solid, paint
 
 

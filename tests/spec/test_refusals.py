@@ -182,7 +182,7 @@ ONE_MISTAKE = [
      "'fern' is one species; write it in a list: [fern]"),
     ("terrain: hills", "terrain: {kind: flat, scatter: [oak, §burch]}",
      "terrain.scatter[1]",
-     "no species is called 'burch', did you mean 'birch'? `pronk list species` has all 34"),
+     "no species is called 'burch', did you mean 'birch'? `pronk list species` has all 35"),
     ("terrain: hills", "terrain: {kind: flat, scatter: {preset: meadow, §densty: 2}}",
      "terrain.scatter.densty", "unknown key, did you mean 'density'?"),
     ("terrain: hills", "terrain: §{kind: sum}", "terrain.of", "is missing"),

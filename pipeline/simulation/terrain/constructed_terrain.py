@@ -172,10 +172,10 @@ def stones(terrain: StonesTerrain, rng: np.random.Generator) -> HeightField:
     j = np.clip(np.rint(z / pitch).astype(np.int64) + n_z // 2, 0, n_z - 1)
     which = np.ix_(j, i)
     to_x, to_z = x[over] - stand.x[which], z[:, None] - stand.z[which]
-    widest = 0.5 + EDGE_TOLERANCE
+    widest = np.array(0.5 + EDGE_TOLERANCE)
     if terrain.irregularity:
         shape = tuple(part[which] for part in stand.shape)
-        widest *= 1.0 - terrain.irregularity * _lost(np.arctan2(to_z, to_x), *shape)
+        widest = widest * (1.0 - terrain.irregularity * _lost(np.arctan2(to_z, to_x), *shape))
     on_top = to_x**2 + to_z**2 <= (widest * terrain.diameter) ** 2
     heights[:, over] = np.where(on_top, stand.tops[which], -terrain.depth)
     return HeightField(heights, terrain.size)

@@ -215,6 +215,11 @@ def _choose_landing(
     lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
     shift = side * max(LATERAL_CLEARANCE * person.hips - lateral, 0.0)
     x, z = x + shift * right_x, z + shift * right_z
+    if person.deck_share > 0.0 and not support_at(person, frame, vertices, x, z)[2]:
+        # The deck carries the person on, but not the place beside it, and leaves it its velocity.
+        carried = time + (1.0 - math.exp(-VELOCITY_GAIN * half_stance)) / VELOCITY_GAIN
+        x += person.carry_velocity[0] * carried
+        z += person.carry_velocity[1] * carried
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
     x, z = clear_of_edge(person, x, z)

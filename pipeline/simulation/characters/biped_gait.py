@@ -18,11 +18,13 @@ from pipeline.simulation.characters.deck_motion import clear_of_edge, support_at
 from pipeline.simulation.characters.gait_timing import (
     gait_pace,
     ground_speed,
+    heel_offset,
     leg_length,
     leg_phase,
     run_blend,
     smoothstep,
     spring_step,
+    walk_share,
     wrap_angle,
 )
 from pipeline.simulation.characters.hurdles import (
@@ -200,15 +202,14 @@ def _choose_landing(
     x = person.at[0] + 0.5 * (person.velocity[0] + vx) * time
     z = person.at[1] + 0.5 * (person.velocity[1] + vz) * time
     x, z = place_below_hip(person, k, x, z, heading)
-    # Weight goes from heel to toes, so the ankle is behind the middle of the stance.
-    heel_offset = (
-        (0.35 + 0.25 * run_blend(ground_speed(person), leg_length(person)))
-        * person.foot
-        * person.walk_blend
-    )
+    walking = person.walk_blend
+    if not person.has_goal:
+        # One that has arrived will not walk on over the foot.
+        walking = min(walking, walk_share(math.hypot(vx, vz), leg_length(person)))
+    behind = heel_offset(person, walking)
     half_stance = 0.5 * stance / rate
-    x += vx * half_stance - heel_offset * math.cos(heading)
-    z += vz * half_stance + heel_offset * math.sin(heading)
+    x += vx * half_stance - behind * math.cos(heading)
+    z += vz * half_stance + behind * math.sin(heading)
     other_foot = _other_ankle(person, k)
     right_x, right_z = math.sin(heading), math.cos(heading)
     side = 1.0 if k == 1 else -1.0

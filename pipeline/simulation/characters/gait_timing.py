@@ -43,6 +43,7 @@ STRIDE_RATE = 0.4512  # in √(g / l): 115 steps a minute at 1.4 m/s for an adul
 STRIDE_RATE_POWER = 0.57
 SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
+WALK_BLEND = 0.3  # speed up to which steps in place blend into a walk, in √(g l)
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 EASY_STEP = 0.2  # up or down, in leg lengths, that takes no longer than others
 EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
@@ -74,6 +75,12 @@ def smoothstep(x: float) -> float:
 def run_blend(speed: float, leg: float) -> float:
     """Return the blend from walking to running, 0 to 1."""
     return smoothstep((froude(speed, leg) - RUN_FROUDE) / RUN_BLEND)
+
+
+@compiled
+def walk_share(speed: float, leg: float) -> float:
+    """Return how much of a walk, rather than of steps in place, a speed is, 0 to 1."""
+    return smoothstep(froude(speed, leg) / WALK_BLEND)
 
 
 @compiled
@@ -131,6 +138,16 @@ def leg_phase(person: Record, k: int) -> float:
 
 
 @compiled
+def heel_offset(person: Record, walking: float) -> float:
+    """Return how far the ankle is behind the middle of its stance, by a share of walking [m].
+
+    Weight goes from heel to toes.
+    """
+    run = run_blend(ground_speed(person), leg_length(person))
+    return (0.35 + 0.25 * run) * person.foot * walking
+
+
+@compiled
 def _high_step(person: Record) -> float:
     """Return by how much a foot steps higher than with ease, in leg lengths."""
     rise = lift = 0.0
@@ -161,6 +178,7 @@ def _lag(person: Record) -> float:
             now = (x * person.velocity[0] + z * person.velocity[1]) / max(speed, 1e-9)
             most = max(most, now + speed * (1.0 - leg_phase(person, k)) / rate)
     usual = USUAL_LAG * 0.5 * stance * speed * (1.0 + person.hurry) / rate
+    usual += heel_offset(person, person.walk_blend)
     return max(most - max(usual, LEAST_LAG * leg), 0.0) / leg
 
 

@@ -66,9 +66,9 @@ def test_a_person_told_to_freeze_stays_still() -> None:
 
 def test_a_person_that_freezes_in_fear_sways_on_feet_that_stay() -> None:
     play = play_scene(
-        "duration: 7\ncast:\n  - {name: c, character: child, behaviours: [{freeze: a}]}\n"
-        "  - {name: a, character: adult, at: [2, 0], heading_deg: 180}\n"
-        "script: [{at: 0, who: a, do: stand}]\n"
+        "duration: 7\ncast:\n  - {name: c, character: child, behaviours: [{freeze: d}]}\n"
+        "  - {name: d, character: adult, at: [2, 0], heading_deg: 180}\n"
+        "script: [{at: 0, who: d, do: stand}]\n"
     )
     assert play.records["frozen"][STEPS:, 0].all()
     assert longest_still(play.joint("c", "pelvis")[STEPS:]) < 4.0

@@ -309,7 +309,8 @@ def _special_message(error: ErrorDetails, value: object) -> str:
         case "value_error" if isinstance(context["error"], audio.names.UnknownName | UnknownName):
             unknown: audio.names.UnknownName | UnknownName = context["error"]
             close = hint(unknown.name, unknown.known, listed_as(unknown.kind))
-            return f"no {unknown.kind} is called '{unknown.name}', {close}"
+            verb = "are" if unknown.kind.endswith("s") else "is"
+            return f"no {unknown.kind} {verb} called '{unknown.name}', {close}"
         case "value_error" | "assertion_error":
             return error["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")
     return f"{error['msg'].removeprefix('Input ')}, is {described(value)}"

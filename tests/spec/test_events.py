@@ -1,4 +1,4 @@
-"""Events: what is told of each that never happens."""
+"""Events: notes about those that never happened."""
 
 from __future__ import annotations
 

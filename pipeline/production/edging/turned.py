@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from pipeline.production.scenery.branches import Skeleton, add_bark, grown
 from pipeline.production.scenery.prototype import (
     UP,
     Color,
@@ -52,8 +53,14 @@ LEAF, YOUNG = (0.045, 0.085, 0.022), (0.14, 0.2, 0.05)
 IVY_WIDTH, IVY_HEIGHT = 1.0, 1.0
 """Of a climbing plant at scale 1 [m]."""
 
+STEM = (0.09, 0.066, 0.046)
+"""Linear colour of its runners."""
+
 IVY_LEAVES = (2600, 1100)
 """Number of its leaves by level of detail."""
+
+IVY_STEP, IVY_SPREAD = 0.035, 0.028
+"""Step by which its runners grow, and deviation of the leaves from them, relative to its size."""
 
 
 def _turned(profile: tuple[tuple[float, float], ...], tone: Color, *, damp: bool = False) -> Shape:
@@ -111,20 +118,34 @@ def lamp() -> Prototype:
     return _turned(LAMP, tone=(0.72, 0.62, 0.46)).prototype()
 
 
+def _runners(rng: np.random.Generator, seed: int) -> Skeleton:
+    """Return the runners of a climbing plant, which fan out and climb in the plane of a wall."""
+    count = 700
+    x, y = rng.uniform(-0.5, 0.5, count), rng.uniform(0.0, 1.0, count)
+    # Patches of the wall stay bare, more of them high up and at both sides.
+    gaps = rough(np.column_stack([4.0 * x, 5.0 * y, 0.0 * x]), seed, 3)
+    kept = gaps + 0.55 - 0.5 * y - 1.6 * x**2 > 0.0
+    space = np.column_stack([x, y, np.zeros(count)])[kept]
+    stems = [
+        np.linspace([side, -0.02, 0.0], [1.6 * side, 0.08, 0.0], 4)
+        for side in rng.uniform(-0.16, 0.16, 3)
+    ]
+    return grown(stems, space, IVY_STEP, 0.022, reach=7.0)
+
+
 @lru_cache(maxsize=8)
 def ivy(seed: int, level: int) -> Prototype:
     """Return a climbing plant before a wall that faces +z, a metre wide and high from its foot."""
     rng, shape = np.random.default_rng([seed, 437, level]), Shape()
-    count = IVY_LEAVES[min(level, 1)]
-    tries = 3 * count
-    x, y = rng.uniform(-0.5, 0.5, tries), rng.uniform(0.0, 1.0, tries) ** 1.15
-    # It spreads in lobes, thinner towards its tips.
-    lobes = 0.34 + 0.16 * np.sin(6.0 * y + 5.0 * rng.uniform()) + 0.06 * np.sin(19.0 * y + seed)
-    edge = np.abs(x + 0.1 * np.sin(4.0 * y + seed)) / np.maximum(lobes * (1.0 - 0.75 * y**3), 0.03)
-    gaps = rough(np.column_stack([4.0 * x, 5.0 * y, 0.0 * x]), seed, 3)
-    kept = np.flatnonzero((edge < 1.0 + 0.5 * gaps) & (gaps > -0.45))[:count]
-    x, y = x[kept], y[kept]
-    n = len(x)
+    runners = _runners(rng, seed)
+    add_bark(shape, runners, np.tile(STEM, (len(runners.nodes), 1)), (0.004, 0.02)[level > 0], 4)
+    n = IVY_LEAVES[min(level, 1)]
+    # Old runners near the foot are clothed most, and the tips of young ones least.
+    reach = runners.nodes[:, 1] / max(float(runners.nodes[:, 1].max()), 1e-9)
+    weight = 1.0 - 0.7 * reach**2
+    at = rng.choice(len(reach), n, p=weight / weight.sum())
+    x, y = (runners.nodes[at, :2] + rng.normal(0.0, IVY_SPREAD, (n, 2)) * [1.0, 0.4]).T
+    y = np.maximum(y, 0.0)
     out = rng.uniform(0.02, 0.16, n) * (1.0 - 0.4 * y)
     base = np.column_stack([x, y, out])
     way = random_directions(rng, n) * 0.7 + [0.0, -0.5, 0.35]

@@ -75,7 +75,7 @@ class Clearings:
         corner: x and z of the middle of the first cell [m].
         cell: side of a cell [m].
         distances: (rows along z, columns along x) uint8, in units of `UNIT`.
-        covered: of the same shape, whether something stays there all the time.
+        covered: of the same shape, whether something stays there for long, or burns there.
     """
 
     corner: tuple[float, float]

@@ -37,9 +37,7 @@ from pipeline.production.shots.coarse_faces import with_coarse_faces
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
 from pipeline.production.shots.fractured_boulders import chipped, fractured
-from pipeline.production.shots.ground_mesh import (
-    terrain_mesh,
-)
+from pipeline.production.shots.ground_mesh import terrain_mesh
 from pipeline.production.shots.ground_weather import ground_in_weather, wetted
 from pipeline.production.shots.group_shapes import MATERIALS as GROUP_MATERIALS
 from pipeline.production.shots.group_shapes import drawn

@@ -95,7 +95,8 @@ class Gestures:
     def members(self) -> set[str]:
         """Names of members whose states gestures need."""
         view = self._dispatcher.view
-        return {one.target for one in self._made.values() if view.owner(one.target) == NOBODY}
+        others = {one.target for one in self._made.values() if view.owner(one.target) == NOBODY}
+        return others - view.places.keys()
 
     @property
     def are_made(self) -> bool:

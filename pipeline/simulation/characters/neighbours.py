@@ -1,4 +1,4 @@
-"""Neighbours: who is near whom in a crowd, by the order of all people along x."""
+"""Neighbours: the people within reach of each other, found by their order along x."""
 
 from __future__ import annotations
 

@@ -193,6 +193,20 @@ def test_a_gesture_takes_a_hand_while_one_walks_on(kind: str) -> None:
     assert play.joint("ann", "pelvis")[-1, 0] > 2.0
 
 
+def test_people_point_at_places() -> None:
+    play = play_scene(
+        "duration: 2\nterrain: flat\ncast:\n  - {name: ann, character: adult, at: [0, 0]}\n"
+        "script:\n  - {at: 0.2, who: ann, do: {point: [1.5, 1.6, 0.4]}}\n"
+    )
+    sides = [(play.joint("ann", f"shoulder_{s}"), play.joint("ann", f"hand_{s}")) for s in "lr"]
+    cosines = []
+    for shoulder, hand in sides:
+        way, to = hand - shoulder, np.array([1.5, 1.6, 0.4]) - shoulder
+        long = np.linalg.norm(way, axis=-1) * np.linalg.norm(to, axis=-1)
+        cosines.append((way * to).sum(axis=-1) / long)
+    assert np.max(cosines) > 0.97
+
+
 def test_a_hand_is_laid_on_the_shoulder_of_who_is_comforted() -> None:
     cast = ONE + "\n  - {name: kid, character: child, at: [0.75, 0], heading_deg: 180}"
     script = "  - {at: 0, who: ann, do: {soothe: kid}}\n"

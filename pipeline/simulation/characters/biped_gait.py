@@ -18,11 +18,13 @@ from pipeline.simulation.characters.deck_motion import clear_of_edge, support_at
 from pipeline.simulation.characters.gait_timing import (
     gait_pace,
     ground_speed,
+    heel_offset,
     leg_length,
     leg_phase,
     run_blend,
     smoothstep,
     spring_step,
+    walk_share,
     wrap_angle,
 )
 from pipeline.simulation.characters.hurdles import (
@@ -200,21 +202,25 @@ def _choose_landing(
     x = person.at[0] + 0.5 * (person.velocity[0] + vx) * time
     z = person.at[1] + 0.5 * (person.velocity[1] + vz) * time
     x, z = place_below_hip(person, k, x, z, heading)
-    # Weight goes from heel to toes, so the ankle is behind the middle of the stance.
-    heel_offset = (
-        (0.35 + 0.25 * run_blend(ground_speed(person), leg_length(person)))
-        * person.foot
-        * person.walk_blend
-    )
+    walking = person.walk_blend
+    if not person.has_goal:
+        # One that has arrived will not walk on over the foot.
+        walking = min(walking, walk_share(math.hypot(vx, vz), leg_length(person)))
+    behind = heel_offset(person, walking)
     half_stance = 0.5 * stance / rate
-    x += vx * half_stance - heel_offset * math.cos(heading)
-    z += vz * half_stance + heel_offset * math.sin(heading)
+    x += vx * half_stance - behind * math.cos(heading)
+    z += vz * half_stance + behind * math.sin(heading)
     other_foot = _other_ankle(person, k)
     right_x, right_z = math.sin(heading), math.cos(heading)
     side = 1.0 if k == 1 else -1.0
     lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
     shift = side * max(LATERAL_CLEARANCE * person.hips - lateral, 0.0)
     x, z = x + shift * right_x, z + shift * right_z
+    if person.deck_share > 0.0 and not support_at(person, frame, vertices, x, z)[2]:
+        # The deck carries the person on, but not the place beside it, and leaves it its velocity.
+        carried = time + (1.0 - math.exp(-VELOCITY_GAIN * half_stance)) / VELOCITY_GAIN
+        x += person.carry_velocity[0] * carried
+        z += person.carry_velocity[1] * carried
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
     x, z = clear_of_edge(person, x, z)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.person_record import STANDING_DUTY, SWING
+from pipeline.simulation.characters.person_record import HIP, STANDING_DUTY, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 
@@ -43,13 +43,19 @@ STRIDE_RATE = 0.4512  # in √(g / l): 115 steps a minute at 1.4 m/s for an adul
 STRIDE_RATE_POWER = 0.57
 SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
+WALK_BLEND = 0.3  # speed up to which steps in place blend into a walk, in √(g l)
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 EASY_STEP = 0.2  # up or down, in leg lengths, that takes no longer than others
 EASY_SWING = 0.19  # height of a swing that takes no longer, in leg lengths: that of runners
 RISE_SLOWING, LIFT_SLOWING = 3.2, 2.5  # by a high step; by a high swing
-SLOWING_RATE = 10.0  # at which the gait slows for a high step, and quickens after it [1/s]
-HIGH_STEP_SLOWING = 2.0  # of the gait by what a step is higher, in leg lengths
+SLOWING_RATE = 14.0  # at which the gait slows for a high step, and quickens after it [1/s]
+HIGH_STEP_SLOWING = 2.8  # of the gait by what a step is higher, in leg lengths
+USUAL_LAG = 1.15  # of a foot behind its hip at lift-off, in half of what is gone in its stance
+LEAST_LAG = 0.5  # that quickens no gait, in leg lengths
+HURRY, MOST_HURRY = 6.0, 0.9  # of the gait by what a foot will be farther behind, in leg lengths
+HURRY_RATE = 25.0  # at which the gait quickens for it, and slows after it [1/s]
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
+SHORTENING_RATE = 20.0  # the same of one that rises; at once would set a swinging foot back [1/s]
 
 
 @compiled
@@ -69,6 +75,12 @@ def smoothstep(x: float) -> float:
 def run_blend(speed: float, leg: float) -> float:
     """Return the blend from walking to running, 0 to 1."""
     return smoothstep((froude(speed, leg) - RUN_FROUDE) / RUN_BLEND)
+
+
+@compiled
+def walk_share(speed: float, leg: float) -> float:
+    """Return how much of a walk, rather than of steps in place, a speed is, 0 to 1."""
+    return smoothstep(froude(speed, leg) / WALK_BLEND)
 
 
 @compiled
@@ -116,7 +128,23 @@ def gait_pace(person: Record) -> tuple[float, float]:
     speed = ground_speed(person)
     # In turns and after pushes, steps are as brisk as in a slow walk.
     rate = max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg))
-    return rate / (1.0 + person.slowing), person.duty
+    return rate * (1.0 + person.hurry) / (1.0 + person.slowing), person.duty
+
+
+@compiled
+def leg_phase(person: Record, k: int) -> float:
+    """Return the phase of a leg in its own cycle: 0 when its foot may leave the ground."""
+    return (person.phase + 0.5 * k) % 1.0
+
+
+@compiled
+def heel_offset(person: Record, walking: float) -> float:
+    """Return how far the ankle is behind the middle of its stance, by a share of walking [m].
+
+    Weight goes from heel to toes.
+    """
+    run = run_blend(ground_speed(person), leg_length(person))
+    return (0.35 + 0.25 * run) * person.foot * walking
 
 
 @compiled
@@ -133,18 +161,37 @@ def _high_step(person: Record) -> float:
 
 
 @compiled
+def _lag(person: Record) -> float:
+    """Return how much farther from its hip a stance foot will lift off than in a steady walk.
+
+    A person that is pushed off moves at once, and its feet are left behind. In leg lengths.
+    """
+    if not person.stepping:
+        return 0.0
+    leg, speed = leg_length(person), ground_speed(person)
+    rate, stance = gait_pace(person)
+    most = 0.0
+    for k in range(2):
+        if person.foot_state[k] != SWING:
+            x = person.targets[HIP + k, 0] - person.stance_place[k, 0]
+            z = person.targets[HIP + k, 2] - person.stance_place[k, 2]
+            now = (x * person.velocity[0] + z * person.velocity[1]) / max(speed, 1e-9)
+            most = max(most, now + speed * (1.0 - leg_phase(person, k)) / rate)
+    usual = USUAL_LAG * 0.5 * stance * speed * (1.0 + person.hurry) / rate
+    usual += heel_offset(person, person.walk_blend)
+    return max(most - max(usual, LEAST_LAG * leg), 0.0) / leg
+
+
+@compiled
 def follow_duty_factor(person: Record, dt: float) -> None:
-    """Let the stance fraction of a cycle follow the speed, and the cycle the height of its steps.
+    """Let the stance fraction of a cycle follow the speed, and its rate high and belated steps.
 
     A runner who slows to a walk would otherwise hurry a foot in mid-swing to the end of its way.
     """
     slowing = HIGH_STEP_SLOWING * _high_step(person)
     person.slowing += (slowing - person.slowing) * (1.0 - math.exp(-SLOWING_RATE * dt))
+    hurry = min(HURRY * _lag(person), MOST_HURRY)
+    person.hurry += (hurry - person.hurry) * (1.0 - math.exp(-HURRY_RATE * dt))
     change = duty_factor(ground_speed(person), leg_length(person)) - person.duty
-    person.duty += change * (1.0 - math.exp(-LENGTHENING_RATE * dt) if change > 0.0 else 1.0)
-
-
-@compiled
-def leg_phase(person: Record, k: int) -> float:
-    """Return the phase of a leg in its own cycle: 0 when its foot may leave the ground."""
-    return (person.phase + 0.5 * k) % 1.0
+    follow = LENGTHENING_RATE if change > 0.0 else SHORTENING_RATE
+    person.duty += change * (1.0 - math.exp(-follow * dt))

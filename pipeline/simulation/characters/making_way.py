@@ -47,7 +47,9 @@ def _is_idle(person: Record) -> bool:
     """Tell whether a person without a goal stands about with nothing to do."""
     free = person.partner == NOBODY and not person.has_facing and person.kick_foot < 0
     swings = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
-    result: bool = free and swings and person.posture != SITTING
+    # One that still arrives would drift on, and never end its walk.
+    stands = not person.stepping or person.gave_way
+    result: bool = free and swings and stands and person.posture != SITTING
     return result
 
 

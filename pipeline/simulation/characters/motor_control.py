@@ -47,7 +47,7 @@ from pipeline.simulation.characters.person_record import (
 from pipeline.simulation.characters.recovery import recover
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.trip import catch_feet
-from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest
+from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest, sway_in_place
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid
@@ -214,7 +214,12 @@ def _drive_foot(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a stance foot, and send a swinging foot along its line."""
     node = nodes[person.node + FOOT + k]
     if person.foot_state[k] == STANCE and (node.lock == LOCKED or _is_placed(person, node, k)):
-        node.lock = LOCKED
+        if node.lock != LOCKED:
+            # One that was held up on its way comes to its place without a jerk.
+            node.lock = LOCKED
+            for c in range(3):
+                person.settling[k, c] += node.p[c] - person.ankles[k, c]
+                person.ankles[k, c] = node.p[c]
         for c in range(3):
             node.lock_place[c] = person.ankles[k, c]
         return
@@ -247,6 +252,7 @@ def control_people(
         recover(person, nodes, h)
         if person.frozen:
             halt(person)
+            sway_in_place(person, h)
         else:
             lead_pelvis(person, nodes, ground, h)
             stop_before_solids(person, owners[person.owner].mass, solids, h)

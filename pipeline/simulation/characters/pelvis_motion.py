@@ -14,11 +14,10 @@ from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.deck_motion import support_at
 from pipeline.simulation.characters.gait_timing import (
     follow_duty_factor,
-    froude,
     ground_speed,
     leg_length,
-    smoothstep,
     spring_step,
+    walk_share,
     wrap_angle,
 )
 from pipeline.simulation.characters.hurdles import hurdle_ease
@@ -58,8 +57,8 @@ def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None
     _steer_heading(person, wx, wz, dt)
     _advance_place(person, nodes, wx, wz, dt)
     follow_duty_factor(person, dt)
-    relative_speed = froude(ground_speed(person), leg_length(person))
-    walk_target = smoothstep(relative_speed / 0.3) if person.stepping else 0.0
+    walking = walk_share(ground_speed(person), leg_length(person))
+    walk_target = walking if person.stepping else 0.0
     person.walk_blend, person.walk_blend_rate = spring_step(
         person.walk_blend, person.walk_blend_rate, walk_target, 6.0, dt
     )

@@ -89,8 +89,10 @@ PERSON = np.dtype(
         ("step_rise", "f8", 2),
         ("settling", "f8", (2, 3)),
         ("settling_rate", "f8", (2, 3)),
-        # By how much the gait is slowed by a high step, as a fraction.
+        # By how much the gait is slowed by a high step, and quickened for a foot that is left
+        # behind, as fractions.
         ("slowing", "f8"),
+        ("hurry", "f8"),
         ("pitch", "f8", 2),
         ("liftoff_pitch", "f8", 2),
         ("ankles", "f8", (2, 3)),
@@ -203,6 +205,8 @@ PERSON = np.dtype(
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),
+        # Whether one that keeps still does so in fear, and sways on its feet all the same.
+        ("fearful", "?"),
         # The deck that it may stand on: number of a merry-go-round, SOLID - s of a solid, or NOBODY
         # the one whose pose is known; whether a task asks for it. Middle of its top in the frame of
         # the solid, or above the hub [m]; its axes there, columns along, up and across; half

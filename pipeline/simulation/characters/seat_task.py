@@ -36,6 +36,7 @@ LANE = 0.3  # distance before the feet of those who sit at which one passes them
 PASSING = 0.3  # beside its seat from which a person goes on to it [m]
 END_CLEARANCE = 0.1  # between a body and the end of a thing that it walks around [m]
 CORNER_TOLERANCE = 0.15  # of a place on the way around a thing [m]
+TOP_CORNERS = 4  # of a thing, whose mean height is that of its top even while it rocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +113,8 @@ def bench_of(nodes: Array, at: Array, facing: float | None = None) -> Bench:
         ahead = -ahead
     along = np.array([-ahead[2], 0.0, ahead[0]])
     half_depth, half_length = (float((flat @ axis).max()) for axis in (ahead, along))
-    return Bench(middle, ahead, half_depth, half_length, float(nodes[:, 1].max()))
+    top = float(np.sort(nodes[:, 1])[-TOP_CORNERS:].mean())
+    return Bench(middle, ahead, half_depth, half_length, top)
 
 
 def _is_as_long_as_wide(flat: Array, ahead: Array) -> bool:

@@ -381,7 +381,7 @@ class TaskDispatcher:
     def _accept(self, k: int, order: Do) -> None:
         controller = self.controllers[k]
         self._active.add(k)
-        controller.record.frozen = order == "freeze"
+        controller.record.frozen, controller.record.fearful = order == "freeze", False
         if isinstance(order, SIDE_ORDERS):
             self._accept_aside(k, controller, order)
             return

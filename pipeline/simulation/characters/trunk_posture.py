@@ -32,8 +32,10 @@ from pipeline.simulation.characters.gait_timing import (
     wrap_angle,
 )
 from pipeline.simulation.characters.person_record import (
+    FOOT,
     HEAD,
     HIP,
+    KNEE,
     NODE_COUNT,
     PELVIS,
     PLACED,
@@ -66,6 +68,7 @@ SHIFT_TILT = math.radians(1.5)  # of the pelvis, the free hip down
 STEPPING_BLEND = 0.1  # of walking, up to which a person steps in place
 SLIGHT_BOW = 0.2  # up to which a person shifts its weight, such as a rider that holds a post
 BUSY_SHIFT = 0.7  # of a weight shift with the hands at work, in one with free hands
+FEARFUL_SHIFT = 0.6  # the same of one that stands still in fear
 DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shifts
 
 SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
@@ -174,6 +177,8 @@ def _weight_shift(person: Record, dt: float) -> tuple[float, float]:
     )
     free = person.arm_mode[0] < PLACED and person.arm_mode[1] < PLACED
     target = (1.0 if free else BUSY_SHIFT) if is_idle else 0.0
+    if person.frozen:
+        target = FEARFUL_SHIFT
     person.shift_blend, person.shift_blend_rate = spring_step(
         person.shift_blend,
         person.shift_blend_rate,
@@ -187,6 +192,32 @@ def _weight_shift(person: Record, dt: float) -> tuple[float, float]:
     aside = 0.75 * math.sin(angle) + 0.25 * slow
     ahead = math.sin(0.5 * angle + slow)
     return person.shift_blend * aside, person.shift_blend * ahead
+
+
+@compiled
+def sway_in_place(person: Record, dt: float) -> None:
+    """Let a person that stands still in fear sway on its feet.
+
+    Source: Roelofs, Hagenaars and Stins 2010 (freezing reduces body sway, and does not end it).
+    """
+    is_standing = person.posture == STANDING and person.sit_blend == 0.0 and person.kick_foot < 0
+    if not (person.fearful and is_standing):
+        return
+    before = _shift_in_world(person, 0.0)
+    after = _shift_in_world(person, dt)
+    for k in range(FOOT):
+        share = 0.5 if k == KNEE or k == KNEE + 1 else 1.0
+        person.targets[k, 0] += share * (after[0] - before[0])
+        person.targets[k, 2] += share * (after[1] - before[1])
+
+
+@compiled
+def _shift_in_world(person: Record, dt: float) -> tuple[float, float]:
+    """Return x and z of the weight shift of a standing person after a sub-step [m]."""
+    aside, ahead = _weight_shift(person, dt)
+    aside, ahead = SHIFT_ASIDE * aside, SHIFT_AHEAD * ahead
+    leg, c, s = leg_length(person), math.cos(person.heading), math.sin(person.heading)
+    return leg * (ahead * c + aside * s), leg * (aside * c - ahead * s)
 
 
 @compiled

@@ -64,6 +64,18 @@ def test_a_person_told_to_freeze_stays_still() -> None:
     assert np.ptp(pelvis[STEPS:], axis=0).max() < 0.005
 
 
+def test_a_person_that_freezes_in_fear_sways_on_feet_that_stay() -> None:
+    play = play_scene(
+        "duration: 7\ncast:\n  - {name: c, character: child, behaviours: [{freeze: d}]}\n"
+        "  - {name: d, character: adult, at: [2, 0], heading_deg: 180}\n"
+        "script: [{at: 0, who: d, do: stand}]\n"
+    )
+    assert play.records["frozen"][STEPS:, 0].all()
+    assert longest_still(play.joint("c", "pelvis")[STEPS:]) < 4.0
+    for foot in ("foot_l", "foot_r"):
+        assert np.ptp(play.joint("c", foot)[STEPS:], axis=0).max() < 1e-3
+
+
 def test_a_walker_that_looks_at_something_behind_still_sees_the_way() -> None:
     play = play_scene(
         "duration: 6\ncast: [{name: a, character: adult, at: [-3, 0]}]\nscript:\n"

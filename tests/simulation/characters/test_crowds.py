@@ -13,7 +13,7 @@ from pipeline.simulation.characters.crowd_avoidance import headway_share
 from pipeline.simulation.characters.neighbours import find_neighbours, order_along_x
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.dynamics.record_array import zero_records
-from tests.simulation.characters.scripted_people import play_scene
+from tests.simulation.characters.scripted_people import STEPS, play_scene
 
 
 def test_who_makes_way_goes_back_to_its_place() -> None:
@@ -36,6 +36,27 @@ script:
     off = np.linalg.norm(place - place[0], axis=1)
     assert off.max() > 0.15
     assert off[-1] < 0.12
+
+
+def test_who_arrives_ends_its_walk_before_it_makes_way() -> None:
+    def press(troupe: Characters, step: int) -> None:
+        troupe.persons[0].impatience = 1.0
+
+    scene = """
+duration: 4
+cast:
+  - {name: anna, character: adult, at: [-1, 0]}
+  - {name: ben, character: adult, at: [0.1, 1.8], heading_deg: 90}
+script:
+  - {at: 0, who: anna, do: {speed: 0.05}}
+  - {at: 0, who: anna, do: {go_to: [2.5, 0]}}
+  - {at: 0, who: ben, do: {go_to: [0.1, 0.3]}}
+"""
+    play = play_scene(scene, press)
+    arrived = round(play.when("ben")[0] * STEPS)
+    gave_way = play.records["gave_way"][:, 1]
+    assert not gave_way[:arrived].any()
+    assert gave_way[arrived:].any()
 
 
 @pytest.mark.parametrize(

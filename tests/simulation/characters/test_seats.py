@@ -76,6 +76,15 @@ def test_seats_are_along_a_bench_and_face_who_comes_first(turn: float) -> None:
     assert behind.coordinates(-2.0 * np.array([c, -s])) == pytest.approx((0.0, -2.0), abs=1e-9)
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.1, -0.15])
+def test_a_bench_that_rocks_is_no_higher_than_one_at_rest(tilt: float) -> None:
+    c, s = math.cos(tilt), math.sin(tilt)
+    size = np.array(BOX_SIZES["bench"][0])
+    nodes = CORNERS * size @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    bench = bench_of(nodes, np.array([2.0, 0.0]))
+    assert bench.top == pytest.approx(c * size[1])
+
+
 @pytest.mark.parametrize("at", [(2.0, 0.3), (-0.2, -2.0), (-2.0, 0.5)])
 def test_a_square_thing_is_sat_on_from_the_side_that_one_comes_from(
     at: tuple[float, float],

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from pipeline.simulation.characters.characters import Characters
-from tests.simulation.characters.scripted_people import play_scene
+from tests.simulation.characters.scripted_people import STEPS, play_scene
 
 SCENE = """\
 duration: 2.6
@@ -29,3 +31,8 @@ def test_a_shove_throws_the_other_back_and_hurts() -> None:
     assert max(pain[1] for pain in pains) > 0.4
     assert max(pain[0] for pain in pains) == 0.0
     assert play.when("a")
+    # Its feet keep up, so that it does not sink between them, and none is set back in mid-swing.
+    assert pushed[:, 1].min() > 0.7 * pushed[0, 1]
+    ankles = play.records["ankles"][:, 1]
+    changes = np.diff(np.diff(ankles, axis=0) * STEPS, axis=0)
+    assert np.linalg.norm(changes, axis=2).max() < 4.0

@@ -295,7 +295,7 @@ class MindScheduler:
     def _act(self, k: int, mind: Mind) -> None:
         command, controller, dispatcher = mind.command, mind.controller, self._dispatcher
         person = controller.record
-        person.frozen = command.frozen
+        person.frozen = person.fearful = command.frozen
         person.pace = max(command.pace, MIN_PACE)
         if command.sits:
             if not isinstance(dispatcher.task(k), SitDown):

@@ -1,7 +1,7 @@
 """Sky specks: single pixels of sky in dark crowns, and of leaves before the sky.
 
-The few samples of a pixel may all pass a gap between leaves that is far smaller than the pixel, or all
-meet a leaf as small. Such pixels are not denoised, because the sky is taken for clean. One by
+The few samples of a pixel may all pass a gap between leaves that is far smaller than the pixel, or
+all meet a leaf as small. Such pixels are not denoised, because the sky is taken for clean. One by
 itself among pixels of the other kind becomes as these are; outlines, twigs and stars stay, because
 they go on in neighbouring pixels.
 """
@@ -26,14 +26,14 @@ MOST_ALIKE = 1
 """Neighbours of a speck that are like it."""
 
 LESS_SURFACE = 0.8
-"""Albedo of a speck of sky, or around a speck of leaf, in the other's, below which the difference is
-that of sky and not of a visible lamp or a star."""
+"""Albedo of a speck of sky, or around a speck of leaf, in the other's, below which the difference
+is that of sky and not of a visible lamp or a star."""
 
 Indices = NDArray[np.intp]
 
 
 def without_specks(layers: LightLayers) -> LightLayers:
-    """Return the layers of a frame without specks of sky in what is dark, and of the dark in sky."""
+    """Return the layers of a frame without specks of sky among leaves and of leaves in the sky."""
     air = luminance(layers.air).astype(np.float32)
     surface = layers.albedo.sum(axis=-1)
     y, x = _candidates(air)

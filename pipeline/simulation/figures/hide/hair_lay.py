@@ -109,6 +109,7 @@ class HairLay:
         length = (weights * np.array(lengths)).sum(axis=0)
         if is_head:
             flow, length = self._face(places, normals)
+        length = length * self.coat.hair_factors(solid, limbs, is_head)
         return combed(flow, normals, length, self.lift)
 
     def locks(self, solid: Solid, limb: int) -> Array | None:

@@ -18,17 +18,17 @@ EAR_ROOT = 0.8
 
 HORN_RINGS, HORN_POINTS = 24, 7
 
-HOOF_POINTS = 14
+HOOF_POINTS = 12
 """Vertices of a ring of a hoof."""
 
 HOOF_RINGS = np.array(
     [
-        *([0.92, 0.66, 1.0], [0.84, 0.80, 1.0], [0.66, 0.83, 1.0], [0.54, 0.81, 0.9]),
+        *([0.92, 0.66, 1.0], [0.82, 0.81, 1.0], [0.60, 0.82, 0.95]),
         *([-0.25, 0.98, 0.4], [-0.94, 1.13, 0.0], [-1.08, 1.08, 0.0]),
     ]
 )
-"""Height, half width and share of the band's slant of the rings of a hoof, in the radius of its ball.
-The first four are the coronet band; the last lies a little below the ground, as in turf."""
+"""Height, half width and share of the band's slant of the rings of a hoof, in the radius of its
+ball. The first three are the coronet band; the last lies a little below the ground, as in turf."""
 
 HOOF_AHEAD = 0.30
 """How far the middle of the sole lies ahead of that of the ball, in its radius."""

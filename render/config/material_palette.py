@@ -27,19 +27,19 @@ def _row(
 
 # fmt: off
 CREATURES: dict[str, Row] = {
-    "green chitin":   _row("#46691f", "#2c5a3a", 0.42, ("shell", 0.3, 1.4),
+    "green chitin":   _row("#46691f", "#2c5a3a", 0.5, ("shell", 0.3, 1.7),
                            metallic=0.35, clearcoat=0.4),
-    "brown chitin":   _row("#5a3217", "#7a4a22", 0.55, ("carapace", 0.4, 1.2),
+    "brown chitin":   _row("#5a3217", "#7a4a22", 0.6, ("carapace", 0.4, 1.7),
                            metallic=0.05, clearcoat=0.25),
     "black chitin":   _row("#1b1a1d", "#33271f", 0.56, ("carapace", 0.4, 1.7),
                            metallic=0.1, clearcoat=0.2),
     "red chitin":     _row("#7c2d1d", "#4a1c12", 0.58, ("carapace", 0.4, 1.7),
                            clearcoat=0.18),
-    "blue chitin":    _row("#1f4a85", "#1b6a86", 0.42, ("shell", 0.3, 1.4),
+    "blue chitin":    _row("#1f4a85", "#1b6a86", 0.5, ("shell", 0.3, 1.7),
                            metallic=0.35, clearcoat=0.4),
     "amber chitin":   _row("#96703a", "#5c3c1c", 0.58, ("carapace", 0.4, 1.7),
                            clearcoat=0.18),
-    "violet chitin":  _row("#4b2a6b", "#7a2a5e", 0.42, ("shell", 0.3, 1.4),
+    "violet chitin":  _row("#4b2a6b", "#7a2a5e", 0.5, ("shell", 0.3, 1.7),
                            metallic=0.35, clearcoat=0.4),
     "ivory chitin":   _row("#cdbf98", "#a08f62", 0.5,  ("carapace", 0.4, 1.2), clearcoat=0.3),
     "bone":           _row("#ddd0b4", "#c9b68e", 0.45, ("mottle", 0.3), clearcoat=0.2),

@@ -54,12 +54,12 @@ def _rise(shape: Any, face: Any, place: Any, p: Any, side: Any, active: Any) -> 
     offset, middle = mi.Vector3f(0.0), mi.Vector3f(0.0)
     if not isinstance(shape, mi.Mesh) or not shape.has_vertex_normals():
         return offset
-    corners = shape.face_indices(face, active)
-    corners = corners.x, corners.y, corners.z
+    found = shape.face_indices(face, active)
+    corners = found.x, found.y, found.z
     at = [shape.vertex_position(corner, active) for corner in corners]
     normals = [side * mi.Vector3f(shape.vertex_normal(corner, active)) for corner in corners]
     shares = 1.0 - place.x - place.y, place.x, place.y
-    bend = mi.Float(0.0)
+    bend: Any = mi.Float(0.0)
     for i, share in enumerate(shares):
         k = (i + 1) % 3
         offset -= share * dr.minimum(dr.dot(p - at[i], normals[i]), 0.0) * normals[i]

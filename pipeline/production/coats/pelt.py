@@ -67,12 +67,19 @@ BLEACHED = (0.0, 0.0, 0.012)
 TINT, VANE_TINT = 0.10, 0.28
 """Deviation of the brightness of single hairs and feathers."""
 
+LEAST_DENSE = 0.8
+"""Density of the strands where hair is long, in the mean: fewer would show the skin."""
+
 FEWEST_WIDTHS, FINE_WIDTHS = 3.0, 20.0
 """Length of hair in its least width below which single strands are not told apart, and from which
 on they are: a coat of strands as long as a few pixels would look like a carpet."""
 
 LEAST_RELIEF = 0.2
 """Share of the shades of a strand that is left where it is not told apart."""
+
+FLATTENED, WIDENED = 0.75, 0.7
+"""How much flatter such strands lie, and how much wider they are: shade between them, and the skin
+below, would be dots as wide as a pixel."""
 
 TUFT, TUFT_TINT, TUFT_ASTRAY = 3.5, 0.07, 0.20
 """Size of tufts in the length of the hair there, deviation of their brightness, and of their lay to
@@ -144,6 +151,8 @@ class Pelt:
         normals = vertex_normals(skin, faces).astype(float)
         root, lie, n = (self._interpolated(values) for values in (vertices, hair, normals))
         n = normalized(n)
+        flatter = 0.0 if self.vanes else FLATTENED * (1.0 - self.relief)
+        lie -= flatter * (lie * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(lie, axis=-1, keepdims=True)
         side = normalized(cross(lie, n))
         way = lie / np.maximum(length, 1e-9) + self.astray[:, :1] * side + self.astray[:, 1:] * n
@@ -156,6 +165,7 @@ class Pelt:
             placed, bent = _vanes(root, tip, n, length)
         else:
             width = np.maximum(self.width, PIXELS * pixel * away)
+            width *= 1.0 + WIDENED * (1.0 - self.relief)
             placed, bent = _ribbons(root, tip, n, length, eye, width, self.relief)
         if not alive:
             # Hidden by collapsing, because the topology of a build is constant.
@@ -261,7 +271,8 @@ def grown_pelt(
     area, length = _areas_and_lengths(mesh)
     # Where hair is short more of it covers the same skin.
     mean = float((area * length).sum()) / float(area[length > 0.0].sum())
-    weight = area * np.where(length > 0.0, np.clip(mean / np.maximum(length, 1e-9), 0.5, 2.5), 0.0)
+    dense = np.clip(mean / np.maximum(length, 1e-9), LEAST_DENSE, 2.5)
+    weight = area * np.where(length > 0.0, dense, 0.0)
     face = np.sort(draw.choice(len(area), count, p=weight / weight.sum()))
     u, v = np.sqrt(draw.random(count)), draw.random(count)
     shares = np.stack([1.0 - u, u * (1.0 - v), u * v], axis=-1)
@@ -282,6 +293,7 @@ def grown_pelt(
     if not vanes:
         tint += TUFT_TINT * each[:, 0]
         astray[:, 0] += TUFT_ASTRAY * each[:, 1]
+        astray[:, 1] *= relief
     places = list((0, 1, 1, 1, 2, 2, 2) if vanes else (0, 0, 1, 1, 2))
     shades = np.mean(SHADES) + relief * (np.array(SHADES) - np.mean(SHADES))
     base = skin_colors(mesh, material, corners, shares)

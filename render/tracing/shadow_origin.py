@@ -5,7 +5,7 @@ light that the smooth normals still see, and rays from them would end in the mes
 would have the outline of the faces. So rays start on the round surface that the normals of the
 corners describe.
 
-Source: J. Hanika, Hacking the shadow terminator, Ray Tracing Gems II, ch. 4, 2021.
+Source: Hanika 2021; the rise besides is ours.
 """
 
 from __future__ import annotations

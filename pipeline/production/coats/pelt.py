@@ -70,14 +70,14 @@ TINT, VANE_TINT = 0.10, 0.28
 LEAST_DENSE = 0.8
 """Density of the strands where hair is long, in the mean: fewer would show the skin."""
 
-FEWEST_WIDTHS, FINE_WIDTHS = 3.0, 20.0
+FEWEST_WIDTHS, FINE_WIDTHS = 3.0, 12.0
 """Length of hair in its least width below which single strands are not told apart, and from which
 on they are: a coat of strands as long as a few pixels would look like a carpet."""
 
 LEAST_RELIEF = 0.2
 """Share of the shades of a strand that is left where it is not told apart."""
 
-FLATTENED, WIDENED = 0.75, 0.7
+FLATTENED, WIDENED = 0.8, 0.7
 """How much flatter such strands lie, and how much wider they are: shade between them, and the skin
 below, would be dots as wide as a pixel."""
 
@@ -151,7 +151,7 @@ class Pelt:
         normals = vertex_normals(skin, faces).astype(float)
         root, lie, n = (self._interpolated(values) for values in (vertices, hair, normals))
         n = normalized(n)
-        flatter = 0.0 if self.vanes else FLATTENED * (1.0 - self.relief)
+        flatter = 0.0 if self.vanes else FLATTENED * (1.0 - self.relief) ** 2
         lie -= flatter * (lie * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(lie, axis=-1, keepdims=True)
         side = normalized(cross(lie, n))

@@ -77,6 +77,19 @@ class Coat:
             paint = np.concatenate([mixed, total], axis=1)
         return paint
 
+    def hair_factors(self, solid: Solid, limbs: list[int], is_head: bool) -> Array | float:
+        """Return the factors (V,) on the length of the coat; see `paint`."""
+        layers = [x for x in self.stance.figure.skin.paint if x.hair != 1.0]
+        if not layers:
+            return 1.0
+        at = _Places(self, solid, limbs, is_head)
+        result = np.ones(len(solid.vertices))
+        for layer in layers:
+            share = at.share(layer.where, layer.size)
+            if share is not None:
+                result *= 1.0 + (layer.hair - 1.0) * share
+        return result
+
 
 class _Places:
     """The shares of the parts of a hide at its vertices."""

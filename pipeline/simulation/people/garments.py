@@ -96,7 +96,7 @@ def hood(build: BodyMeasures) -> SkinnedPatch:
     rim = np.stack(
         [
             -0.012 * g - 0.046 * g * np.cos(angle),
-            build.level(0.838) - 0.012 * g * (1.0 - np.cos(angle)),
+            build.level(0.830) - 0.012 * g * (1.0 - np.cos(angle)),
             0.047 * g * np.sin(angle),
         ],
         axis=-1,
@@ -129,9 +129,9 @@ def suit_front(build: BodyMeasures) -> SkinnedPatch:
     # Lower in front than in the neck.
     line = np.stack(
         [
-            -0.010 * g + 0.0365 * g * np.cos(angle),
-            build.level(0.857) - 0.007 * g * (1.0 + np.cos(angle)),
-            0.0365 * g * np.sin(angle),
+            -0.010 * g + 0.0380 * g * np.cos(angle),
+            build.level(0.847) - 0.009 * g * (1.0 + np.cos(angle)),
+            0.0380 * g * np.sin(angle),
         ],
         axis=-1,
     )

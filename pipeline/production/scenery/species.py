@@ -377,7 +377,7 @@ KINDS: dict[str, Species] = {
         patch=3.5,
         cover=0.3,
         family="rubble",
-        variants=8,
+        variants=15,
     ),
 }
 """All species by name."""

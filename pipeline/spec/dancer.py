@@ -131,7 +131,7 @@ class DanceSettings(ConfigModel):
     )
     sway_deg: Annotated[Number, Field(ge=0, le=15)] = Field(
         0.0,
-        description="How far its waist sways to and fro with the beat [degrees]; its hips go along.",
+        description="How far its waist sways to and fro with the beat [degrees]; hips go along.",
     )
     gaze: bool = Field(True, description="Whether its head turns to where its hand goes.")
     combine: Literal["sum", "winner"] = Field(

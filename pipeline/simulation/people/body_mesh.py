@@ -264,13 +264,22 @@ LEG_SPREAD = 0.2  # of the legs while they are polygonised: thighs all but touch
 
 
 @cached_part
-def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
-    """Return trousers, or shorts, of both legs."""
+def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> SkinnedPatch:
+    """Return trousers, or shorts, of both legs.
+
+    Args:
+        build: measures of the person.
+        shorts: whether they end above the knee.
+        covered: whether a coat hangs over them; thighs are thinner then and stay below it.
+    """
     girth, end = build.girth, 0.330 if shorts else TROUSER_END
     pelvis = oval_stack(build.outline(SEAT, build.hip_breadth))
     leg = oval_stack(build.outline(LEG), build.hips)
     depth = fold_depth(build, SHORTS if shorts else LEG_FOLDS, build.hips)
-    whole = folded(smooth_union([pelvis, leg], 0.030 * girth), depth)
+    solid = smooth_union([pelvis, leg], 0.030 * girth)
+    if covered:
+        solid = folded(solid, _covered_depth(build))
+    whole = folded(solid, depth)
 
     def spread(places: Array) -> Array:
         y, z = places[:, 1], np.abs(places[:, 2])
@@ -290,6 +299,19 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
     below = ramp(places[:, 1], build.level(0.500), build.level(0.450))
     shade = shade * (1.0 - CROTCH_SHADE * between * below)
     return replace(_skinned_trousers(build, places, surface), shade=shade)
+
+
+COVERED_DEPTH = 0.009
+"""By how much thighs are thinner below a coat, in girths."""
+
+
+def _covered_depth(build: BodyMeasures) -> Field:
+    low, high = build.level(0.365), build.level(0.410)
+
+    def depth(places: Array) -> Array:
+        return np.asarray(COVERED_DEPTH * build.girth * ramp(places[:, 1], low, high))
+
+    return depth
 
 
 CROTCH_SHADE = 0.40

@@ -200,7 +200,7 @@ def test_dancer_stands_at_its_position_and_heading() -> None:
     names = [node.name for node in plain_take.nodes]
     hand, foot = names.index("a.hand_r"), names.index("a.foot_r")
     for take in (plain_take, moved_take):
-        # Legs are static.
+        # Feet stay where they are.
         np.testing.assert_array_equal(take.positions[0, foot], take.positions[-1, foot])
     offset = plain_take.positions[:, hand] - plain_take.positions[:, names.index("a.pelvis")]
     turned = moved_take.positions[:, hand] - moved_take.positions[:, names.index("a.pelvis")]

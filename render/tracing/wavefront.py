@@ -375,7 +375,8 @@ def _bounce(
     weight = finite(paths.weight * share)
     is_delta = mi.has_flag(scattered.sampled_type, mi.BSDFFlags.Delta)
     ray = si.spawn_ray(si.to_world(scattered.wo))
-    goes_on, stays, chance = dr.max(weight) > 0.0, mi.Bool(True), mi.Float(1.0)
+    goes_on, stays = dr.max(weight) > 0.0, mi.Bool(True)
+    chance: Any = mi.Float(1.0)
     if plays_roulette:
         chance = dr.clip(dr.max(weight) / CERTAIN_THROUGHPUT, LEAST_CHANCE, 1.0)
         stays = sample_1d(paths.pixel, strata, 1) < chance

@@ -29,8 +29,11 @@ def surface_light(
     *,
     held: Any = None,
     coherent: bool = False,
-) -> tuple[Any, Any, Any, Any]:
-    """Return what rays meet: direct light, albedo, light that it sends out itself, and distance.
+) -> tuple[Any, Any, Any, Any, Any]:
+    """Return what rays meet.
+
+    That is direct light, what it would be without shadows, albedo, light that surfaces send out
+    themselves, and distance.
 
     Args:
         scene: of Mitsuba, or a `ScenePair`.
@@ -66,16 +69,16 @@ def surface_light(
         wet = water.wetness(si.p, si.n)
         albedo *= wet
         arriving *= wet * water.reaching(si.p, sample)
-    light = mi.Color3f(0.0)
+    light, open_light = mi.Color3f(0.0), mi.Color3f(0.0)
     if has_lamps:
         # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
         lift = dr.select(dr.dot(si.sh_frame.n, sample.d) < 0.0, -lift, lift)
         offset = shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
         si.p += lift * si.sh_frame.n + offset
-        light += unoccluded(
+        light, open_light = unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )
-    return light, albedo, shining, dr.select(si.is_valid(), si.t, dr.inf)
+    return light, open_light, albedo, shining, dr.select(si.is_valid(), si.t, dr.inf)
 
 
 def unoccluded(
@@ -87,13 +90,17 @@ def unoccluded(
     active: Any,
     *,
     coherent: bool = False,
-) -> Any:
-    """Return the light of an emitter sample where nothing occludes it, with its MIS weight."""
+) -> tuple[Any, Any]:
+    """Return the light of an emitter sample where nothing occludes it, and anywhere.
+
+    Both have their MIS weight.
+    """
     mis = dr.select(sample.delta, 1.0, sample.pdf / (sample.pdf + bsdf_pdf))
     light = finite(light * mis)
     active = active & (sample.pdf > 0.0) & (dr.max(light) > 0.0)
     occluded = scene.ray_test(si.spawn_ray_to(sample.p), coherent, active)
-    return dr.select(active & ~occluded, light, 0.0)
+    light = dr.select(active, light, 0.0)
+    return dr.select(occluded, 0.0, light), light
 
 
 def passed_air(air: Air, ray: Any, distance: Any) -> Any:

@@ -55,6 +55,7 @@ def test_bands_leave_no_seams() -> None:
     np.testing.assert_allclose(once, np.flipud(turned), rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_light_without_shadows_is_traced_of_one_lamp_alone(
     renderer: Renderer, make_shot: Callable[..., Shot]
 ) -> None:

@@ -70,7 +70,7 @@ CREATURES: dict[str, Row] = {
     "red fur":        _row("#a3501f", "#7d3814", 0.8,  ("fur", 0.32, 0.25), sheen=0.5),
     "feathers":       _row("#2b2725", "#3d3632", 0.8,  ("plumage", 0.5, 1.0), sheen=0.3),
     "white feathers": _row("#dcdad4", "#c5c1b6", 0.8,  ("plumage", 0.5, 1.0), sheen=0.3),
-    "horn":           _row("#3a322a", "#5a4c3c", 0.45, ("wood", 0.25, 1.0), clearcoat=0.2),
+    "horn":           _row("#332b24", "#4c4033", 0.6,  ("wood", 0.25, 1.0), clearcoat=0.05),
     "leather":        _row("#4a2f1f", "#5c3d29", 0.5,  ("pores", 0.25, 1.5), clearcoat=0.1),
     "eye":            _row("#08080a", None,      0.08, None, clearcoat=1.0),
     "eye white":      _row("#a2968d", None,      0.6,  None),

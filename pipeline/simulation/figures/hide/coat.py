@@ -20,6 +20,9 @@ PATTERN_SIZES: Mapping[str, float] = {"spots": 0.42, "patches": 0.75, "stripes":
 NET, NET_EDGE = 0.05, 0.09
 """Half the width of the net between patches, and that of its edge, in the distance of patches."""
 
+SEAM = 0.35
+"""Width of the soft edge of a part of the body, in its girth."""
+
 LIMB_PLACES: Mapping[str, tuple[str, float, float]] = {
     "legs": ("leg", 0.18, 0.15),
     "shins": ("leg", 0.58, 0.16),
@@ -109,12 +112,16 @@ class _Places:
             found.append(distances.min(axis=0))
             self._along.append(chain.coordinates(self._places, distances))
         self._part = np.argmin(found, axis=0)
+        self._distances = np.array(found)
         self._kinds = ["body", *(figure.skeleton.limbs[i].kind for i in limbs)]
 
     def _of(self, kinds: tuple[str, ...]) -> Array:
-        """Return 1 on limbs of some kinds, 0 elsewhere."""
-        own = [k for k, kind in enumerate(self._kinds) if kind in kinds]
-        return np.isin(self._part, own).astype(float)
+        """Return the share (V,) of limbs of some kinds: 1 on them, softly 0 beyond."""
+        own = np.isin(self._kinds, kinds)
+        if own.all() or not own.any():
+            return np.full(self._distances.shape[1], float(own.all()))
+        nearer = self._distances[~own].min(axis=0) - self._distances[own].min(axis=0)
+        return smoothstep(nearer / (SEAM * self._coat.girth) + 0.5)
 
     def _share_along(self, kind: str, first: float, soft: float) -> Array:
         """Return the share of limbs of a kind beyond a share of their length."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.sheets import Paint, lay
@@ -117,7 +118,10 @@ class _Places:
 
     def _of(self, kinds: tuple[str, ...]) -> Array:
         """Return the share (V,) of limbs of some kinds: 1 on them, softly 0 beyond."""
-        own = np.isin(self._kinds, kinds)
+        return self._nearest(np.isin(self._kinds, kinds))
+
+    def _nearest(self, own: NDArray[np.bool_]) -> Array:
+        """Return the share (V,) of some parts: 1 on them, softly 0 beyond."""
         if own.all() or not own.any():
             return np.full(self._distances.shape[1], float(own.all()))
         nearer = self._distances[~own].min(axis=0) - self._distances[own].min(axis=0)
@@ -130,9 +134,11 @@ class _Places:
             if own != kind:
                 continue
             chain = self._coat.stance.chains[self._limbs[k - 1]]
-            mine = np.flatnonzero(self._part == k)
-            at = arc_share(chain.points, self._places[mine])
-            result[mine] = smoothstep((at - first) / soft + 0.5)
+            mine = self._nearest(np.arange(len(self._kinds)) == k)
+            some = np.flatnonzero(mine)
+            at = arc_share(chain.points, self._places[some])
+            share = mine[some] * smoothstep((at - first) / soft + 0.5)
+            result[some] = np.maximum(result[some], share)
         return result
 
     def share(self, place: str, size: float | None) -> Array | None:

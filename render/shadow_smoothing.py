@@ -5,8 +5,8 @@ share of the lamp that the pixel sees, whose noise is that of the samples that m
 share alone is the mean of neighbouring pixels, weighted by the light that they would have, and the
 light without shadows, with all relief and gloss, stays sharp.
 
-Source: E. Heitz, S. Hill, M. McGuire, Combining Analytic Direct Illumination and Stochastic
-Shadows, 2018.
+Source: Heitz, Hill and McGuire 2018, Combining Analytic Direct Illumination and Stochastic
+Shadows.
 """
 
 from __future__ import annotations

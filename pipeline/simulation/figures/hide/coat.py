@@ -112,7 +112,6 @@ class _Places:
             distances = chain.distances(self._places)
             found.append(distances.min(axis=0))
             self._along.append(chain.coordinates(self._places, distances))
-        self._part = np.argmin(found, axis=0)
         self._distances = np.array(found)
         self._kinds = ["body", *(figure.skeleton.limbs[i].kind for i in limbs)]
 

@@ -26,20 +26,34 @@ the angle that the strand spans, or combed hair would stand off like straw."""
 CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
 """Whorl from which hair goes out, and the knot to which it is drawn."""
 
+CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 16.0
+"""Reach of the crown [heads], and how far hair stands off there: it is flatter than a ball, and
+chords into it would leave it bald."""
+
+PARTING, SWEPT = 0.11, 1.3
+"""How far a parting lies aside [heads], and how far short hair is combed over from it."""
+
 BROW_LENGTH = 0.021
 
-LOCK_TURNS: Mapping[str, float] = {"short": 0.24, "bob": 0.10, "long": 0.12, "bun": 0.05}
+LOCK_TURNS: Mapping[str, float] = {"short": 0.26, "bob": 0.20, "long": 0.20, "bun": 0.07}
 """How far locks turn from the lay by style, as a tangent: no outline of hair is smooth."""
 
-LOCK_LENGTH = 0.15
+LOCK_LENGTH = 0.25
 """How much longer or shorter than others locks are."""
 
 FRINGE, FRINGE_SPAN = 0.42, (0.02, 0.24)
 """Share of its length to which hair is cut over the face, and where along X that comes about."""
 
 
-def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
-    """Return the hair (V, 3) at the vertices of the hair's surface [m]."""
+def head_hair(head: Head, style: str, patch: SkinnedPatch, parting: float = 0.0) -> Array:
+    """Return the hair (V, 3) at the vertices of the hair's surface [m].
+
+    Args:
+        head: of the person.
+        style: of the hair.
+        patch: its surface.
+        parting: side of the parting, -1 on the left, 1 on the right.
+    """
     places, normals = patch.vertices, vertex_normals(patch.vertices, patch.faces)
     seen = (places - head.centre) / head.size
     if style == "bun":
@@ -50,15 +64,19 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
     else:
         flow = seen - np.array(CROWN) - (0.2 if style == "short" else 0.9) * UP
         # Parted over the face.
-        aside = 0.0 if style == "short" else 3.5
-        side = np.where(seen[:, 2] < 0.0, -1.0, 1.0) * np.maximum(seen[:, 0], 0.0)
-        flow[:, 2] += aside * side
+        aside = SWEPT if style == "short" else 3.5
+        off = seen[:, 2] - PARTING * parting
+        # Short hair is combed over from the parting, which it has on one side or not at all.
+        side = -parting * np.ones(len(off)) if style == "short" else np.where(off < 0.0, -1.0, 1.0)
+        flow[:, 2] += aside * side * np.maximum(seen[:, 0], 0.0)
     cut = 1.0 - (1.0 - FRINGE) * ramp(seen[:, 0], *FRINGE_SPAN)
     locks = _locks(seen)
     flow = normalized(flow) + LOCK_TURNS[style] * locks
     length = LENGTHS[style] * head.size * cut * (1.0 + LOCK_LENGTH * locks[:, 0])
     spanned = length / (ROUND * head.size) * ramp(seen[:, 1], *SKULL)
-    return combed(flow, normals, length, np.radians(LIFTS_DEG[style]) - 0.5 * spanned)
+    near = np.exp(-((np.linalg.norm(seen - np.array(CROWN), axis=-1) / CROWN_SIZE) ** 2))
+    lift = np.radians(LIFTS_DEG[style] + CROWN_LIFT_DEG * near)
+    return combed(flow, normals, length, lift - 0.5 * spanned)
 
 
 def _locks(places: Array) -> Array:

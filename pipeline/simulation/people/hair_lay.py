@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.simulation.combed_hair import combed
 from pipeline.simulation.figures.solids import vertex_normals
-from pipeline.simulation.people.head_mesh import Head
+from pipeline.simulation.people.head_mesh import CROWN, Head
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
 from pipeline.simulation.spatial import UP, Array, normalized
 
@@ -23,8 +23,8 @@ ROUND, SKULL = 0.5, (-0.05, 0.22)
 hangs. A strand is drawn as a bow over its chord: on a ball that chord goes into the ball by half
 the angle that the strand spans, or combed hair would stand off like straw."""
 
-CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
-"""Whorl from which hair goes out, and the knot to which it is drawn."""
+BUN = (-0.50, 0.24, 0.0)
+"""Knot to which hair is drawn."""
 
 CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 16.0
 """Reach of the crown [heads], and how far hair stands off there: it is flatter than a ball, and

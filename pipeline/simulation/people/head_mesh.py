@@ -63,6 +63,10 @@ LEAST_MOVE = 4e-4
 """Least move of a vertex by a unit that is kept [heads]."""
 
 
+ADULT_HEAD = 0.05
+"""By how much larger the head of an adult is drawn: broad shoulders in clothes dwarf it."""
+
+
 @dataclass(frozen=True)
 class Head:
     """The head of a person.
@@ -77,7 +81,7 @@ class Head:
     def size(self) -> float:
         """Distance from chin to crown [m]."""
         p = self.build.proportions
-        return p.head_size * p.height
+        return p.head_size * p.height * (1.0 + ADULT_HEAD * (1.0 - self.build.childish))
 
     @property
     def centre(self) -> Array:
@@ -242,10 +246,10 @@ def ears(head: Head) -> SkinnedPatch:
     return with_mirror(replace(patch, tint=red))
 
 
-EYE_RINGS_DEG = np.array([8.0, 14.5, 15.5, 23.0, 30.0, 33.0, 35.0, 48.0, 66.0, 90.0, 130.0])
+EYE_RINGS_DEG = np.array([7.0, 12.0, 13.0, 20.0, 27.0, 30.0, 32.0, 46.0, 66.0, 90.0, 130.0])
 """Rings of an eyeball around its axis, denser where its colour changes."""
 
-PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 15.0, 30.5, 34.0
+PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 12.5, 27.5, 31.0
 """Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
 
 LID_SHADE, CORNER_SHADE = 0.52, 0.30
@@ -434,6 +438,10 @@ NAPE_SHADE = 0.45
 """How dark hair is where it hangs in its own shade."""
 
 
+CROWN, CROWN_SHADE = (-0.12, 0.50, 0.0), 0.45
+"""Whorl from which hair goes out, and how dark it is there, where one sees down to the roots."""
+
+
 def _hair_gloss(places: Array, normals: Array) -> Array:
     """Return the tint (V, 2) of the gloss: a band around the crown, broken by locks."""
     around = np.arctan2(places[:, 2], places[:, 0])
@@ -451,4 +459,5 @@ def _hair_shade(places: Array, normals: Array) -> Array:
     """Return the shade (V,) of hair: below the ears and wherever it faces down."""
     low = ramp(places[:, 1], 0.15, -0.45)
     under = ramp(normals[:, 1], 0.1, -0.6)
-    return 1.0 - NAPE_SHADE * np.maximum(low, under)
+    top = np.exp(-((np.linalg.norm(places - np.array(CROWN), axis=-1) / 0.30) ** 2))
+    return (1.0 - NAPE_SHADE * np.maximum(low, under)) * (1.0 - CROWN_SHADE * top)

@@ -12,7 +12,7 @@ from pipeline.simulation.people.head_mesh import CROWN, Head
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
 from pipeline.simulation.spatial import UP, Array, normalized
 
-LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun": 0.26}
+LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.40, "bun": 0.26}
 """Length of the strands by style, in heads. They overlap: long hair needs no longer."""
 
 LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 7.0, "long": 7.0, "bun": 6.0}
@@ -26,7 +26,7 @@ the angle that the strand spans, or combed hair would stand off like straw."""
 BUN = (-0.50, 0.24, 0.0)
 """Knot to which hair is drawn."""
 
-CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 16.0
+CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 6.0
 """Reach of the crown [heads], and how far hair stands off there: it is flatter than a ball, and
 chords into it would leave it bald."""
 
@@ -38,7 +38,7 @@ BROW_LENGTH = 0.021
 LOCK_TURNS: Mapping[str, float] = {"short": 0.26, "bob": 0.20, "long": 0.20, "bun": 0.07}
 """How far locks turn from the lay by style, as a tangent: no outline of hair is smooth."""
 
-LOCK_LENGTH = 0.25
+LOCK_LENGTH = 0.15
 """How much longer or shorter than others locks are."""
 
 FRINGE, FRINGE_SPAN = 0.42, (0.02, 0.24)

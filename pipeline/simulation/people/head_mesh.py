@@ -407,7 +407,7 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     patch = net.follow("head", "chest", 1.0 - share)
     seen = (net.vertices - c) / s
     normals = vertex_normals(net.vertices, net.faces)
-    patch = replace(patch, vertices=c + s * _with_locks(seen, normals, style))
+    patch = replace(patch, vertices=c + s * _with_locks(seen, style))
     return replace(patch, tint=_hair_gloss(seen, normals), shade=_hair_shade(seen, normals))
 
 
@@ -418,13 +418,20 @@ HEM_LOCKS = 0.055
 """By how much the lower ends of locks hang lower or higher, in heads."""
 
 
-def _with_locks(places: Array, normals: Array, style: str) -> Array:
+SKULL = (-0.06, 0.06, 0.0)
+"""Middle of the skull."""
+
+
+def _with_locks(places: Array, style: str) -> Array:
     """Return the surface (V, 3) of hair in locks: its outline is a helmet's otherwise."""
-    around = np.arctan2(places[:, 2], places[:, 0])
+    # Alike on both sides; the parting is not.
+    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
     locks = np.sin(9.0 * around + 1.3) + 0.7 * np.sin(14.0 * around + 4.0 * places[:, 1])
     # Not along the hair line, where locks would show the skull.
     kept = ramp(places[:, 0], 0.26, 0.16)
-    moved = places + (LOCK_DEPTH[style] * locks * kept)[:, None] * normals
+    # Away from the skull: normals of the net are not alike on both sides.
+    outward = normalized(places - np.array(SKULL))
+    moved = places + (LOCK_DEPTH[style] * locks * kept)[:, None] * outward
     if style in ("bob", "long"):
         ends = ramp(places[:, 1], -0.10, -0.40) * (0.6 * np.sin(5.0 * around + 0.5) + 0.5 * locks)
         moved[:, 1] += HEM_LOCKS * ends

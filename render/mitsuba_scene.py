@@ -152,7 +152,7 @@ class MitsubaScene:
             self._lamp_places = places
         _update_camera(self._values, moment.camera, self._film)
         if self._around.drifting is not None and self._sky_time != moment.time:
-            self._values["sky.data"] = self._around.drifting.at(moment.time)
+            self.scene.environment().set_time(moment.time)
             self._sky_time = moment.time
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
         for i in range(self._n_still):

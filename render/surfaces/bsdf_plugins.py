@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
 from render.config import Material
+from render.python_plugin import plugin
 from render.surfaces.mitsuba_bsdf import opaque_bsdf
 from render.surfaces.patterns import Shader
 
@@ -34,24 +34,6 @@ nearly straight ahead, how much of it keeps its own colour besides, and its powe
 
 LEAST_COSINE = 0.02
 """Cosine from which on light that grazes a surface is no longer strengthened."""
-
-
-def plugin(methods: type, base: str) -> Any:
-    """Return a new object of Mitsuba's class `base` with these methods.
-
-    Mitsuba's base classes differ between variants and do not exist before one is chosen, so
-    the methods stand in plain classes.
-    """
-    return _plugin_class(methods, base, mi.variant())(mi.Properties())
-
-
-@cache
-def _plugin_class(methods: type, base: str, variant: str) -> type:
-    del variant
-    # Mitsuba's classes allow no second base, so the methods are copied.
-    found = {k: v for owner in reversed(methods.__mro__) for k, v in vars(owner).items()}
-    own = {k: v for k, v in found.items() if not k.startswith("__")}
-    return type(methods.__name__, (getattr(mi, base),), own)
 
 
 def eval_pdf_albedo(bsdf: Any, si: Any, wo: Any) -> tuple[Any, Any, Any, Any]:

@@ -24,10 +24,10 @@ def surface_light(
     water: Water | None,
     relief: SkyRelief | None,
     ray: Any,
+    hit: Any,
     u: tuple[Any, Any],
     has_lamps: bool,
     *,
-    held: Any = None,
     coherent: bool = False,
 ) -> tuple[Any, Any, Any, Any, Any]:
     """Return what rays meet.
@@ -41,15 +41,11 @@ def surface_light(
         water: of the scene, None without any.
         relief: of surfaces in the light of the sky, which goes into the albedo.
         ray: from camera or water.
+        hit: what it meets, `mi.PreliminaryIntersection3f`.
         u: pair of numbers for a point on an emitter, and one that chooses between emitters.
         has_lamps: whether surfaces are lit at all.
-        held: rays to what moves where they are others; then the scene is a `ScenePair`.
         coherent: whether neighbouring rays are close to each other.
     """
-    if held is None:
-        hit = scene.ray_intersect_preliminary(ray, coherent=coherent)
-    else:
-        ray, hit = scene.first_hit(ray, held, coherent)
     si = hit.compute_surface_interaction(ray, mi.RayFlags.All)
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)

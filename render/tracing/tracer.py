@@ -74,12 +74,24 @@ class PixelLanes:
 
     Attributes:
         size: the same.
+        count: of pixels.
         chunks: numbers of pixels, row by row, `mi.UInt32` each.
     """
 
     def __init__(self, size: tuple[int, int]) -> None:
-        self.size = size
+        self.size, self.count = size, size[0] * size[1]
         self.chunks = in_chunks(_square_order(*size))
+
+    def first_lane(self, chunk: int) -> int:
+        """Return how many pixels are traced before those of a chunk."""
+        return sum(dr.width(pixels) for pixels in self.chunks[:chunk])
+
+    def lanes(self) -> NDArray[np.uint32]:
+        """Return the place in the order of tracing of each pixel, row by row."""
+        order = _square_order(*self.size)
+        found = np.empty_like(order)
+        found[order] = np.arange(len(order), dtype=np.uint32)
+        return found
 
     def zero_sums(self, kinds: int) -> list[Sums]:
         """Return sums of zero for each chunk, of so many kinds."""

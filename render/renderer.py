@@ -142,8 +142,10 @@ class Renderer:
         """Return the mean of all moments of the exposure, and the passes."""
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)
-        accumulator, exposure = scene.accumulator(), scene.pass_exposure(shot)
-        airborne = scene.airborne_exposure(shot)
+        airborne, exposure = scene.airborne_exposure(shot), scene.pass_exposure(shot)
+        # The camera may go on between moments, by which rays to what stands still are spread.
+        is_still = airborne is not None and count == 1
+        accumulator = scene.accumulator(has_airborne=is_still)
         poses = [moment.camera for moment in shot.moments]
         for k, moment in enumerate(shot.moments):
             if k:
@@ -154,7 +156,7 @@ class Renderer:
                 view = scene.view(camera_sweep(poses, k))
                 accumulator.add_passes(view, shot.seed, passes, count * each)
                 if airborne:
-                    scene.add_airborne(airborne, moment, k, count)
+                    scene.add_airborne(airborne, moment, k, count, accumulator.distances)
                 if exposure:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):

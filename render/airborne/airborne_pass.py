@@ -28,7 +28,7 @@ from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
 from render.lights.key_light import KeyLight
 from render.shot import Moment
-from render.tracing.camera_rays import camera_ray
+from render.tracing.camera_rays import camera_ray, central_ray
 from render.tracing.haze import Air
 from render.tracing.stratification import PassStrata, stratum_grid
 from render.tracing.tracer import in_chunks, pixels_of
@@ -96,6 +96,7 @@ class AirbornePass:
         contents: Contents,
         k: int,
         total: int,
+        distances: Sequence[Any] = (),
     ) -> Image:
         """Return the share of light that passes, and the light added, (n, 4) of all pixels.
 
@@ -105,6 +106,8 @@ class AirbornePass:
             contents: of the air at this moment.
             k: number of the ray through each pixel.
             total: rays through each pixel of the frame.
+            distances: of the surfaces in a pixel, pixel by pixel, if they are known and there is
+                dust alone. One ray is enough, for within a pixel dust hardly changes.
         """
         angle = 2 * math.tan(math.radians(fov_deg) / 2) / self._size[1]
         angle = dr.opaque(mi.Float, angle)
@@ -113,21 +116,27 @@ class AirbornePass:
         found = []
         for pixels in self._chunks:
             ray = camera_ray(sensor, pixels, self._size, strata.step(0))
+            if distances:
+                ray = central_ray(sensor, pixels, self._size)
             lanes = dr.arange(mi.UInt32, dr.width(pixels))
-            if contents.lone_puffs is not None:
+            if contents.lone_puffs is not None and not distances:
                 lanes = _dusty(contents.lone_puffs, ray)
                 if dr.width(lanes) == 0:
                     found.append(np.tile(NOTHING, (dr.width(pixels), 1)))
                     continue
                 ray = dr.gather(mi.Ray3f, ray, lanes)
-            hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
-            distance = dr.select(hit.is_valid(), hit.t, FAR)
+            if distances:
+                ends = [dr.minimum(dr.gather(mi.Float, one, pixels), FAR) for one in distances]
+            else:
+                hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
+                ends = [dr.select(hit.is_valid(), hit.t, FAR)]
+            distance = ends[0]
             passed, light = mi.Float(1.0), mi.Color3f(0.0)
             if contents.falling is not None:
                 passed, light = self._through_rain(contents.falling, ray, hit, distance, angle)
             if contents.puffs is not None:
-                dr.eval(ray, distance, passed, light)
-                share, added = contents.puffs.seen(ray, distance)
+                dr.eval(ray, ends, passed, light)
+                share, added = contents.puffs.seen(ray, ends)
                 light += passed * added
                 passed = passed * share
             for plume in contents.plumes:
@@ -172,7 +181,7 @@ def _dusty(puffs: Puffs, ray: Any) -> Any:
     Around a ragged puff most rays pass it, and need not look for a surface.
     """
     dr.eval(ray)
-    share, _ = puffs.seen(ray, dr.full(mi.Float, FAR, dr.width(ray.d)))
+    share, _ = puffs.seen(ray, [dr.full(mi.Float, FAR, dr.width(ray.d))])
     return mi.UInt32(dr.compress(share < 1.0 - LEAST_DIMMING))
 
 

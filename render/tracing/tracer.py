@@ -29,7 +29,14 @@ Sums = tuple[Any, ...]
 
 
 class Accumulator(ABC):
-    """The sums of one frame."""
+    """The sums of one frame.
+
+    Attributes:
+        distances: of the surfaces [m], infinite where there is none: pixel by pixel and sample by
+            sample of direct light, `mi.Float` each; empty where they are not kept.
+    """
+
+    distances: tuple[Any, ...] = ()
 
     @abstractmethod
     def add_passes(self, view: CameraView, seed: int, passes: range, total: int) -> None:
@@ -52,8 +59,13 @@ class Tracer(ABC):
     """Traces one Mitsuba scene."""
 
     @abstractmethod
-    def accumulator(self) -> Accumulator:
-        """Return an empty accumulator."""
+    def accumulator(self, kept_distances: int = 0) -> Accumulator:
+        """Return an empty accumulator.
+
+        Args:
+            kept_distances: number of samples of direct light in a pixel of frames for which a
+                tracer may keep their distances.
+        """
 
     @abstractmethod
     def scene_changed(self) -> None:

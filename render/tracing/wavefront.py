@@ -159,9 +159,9 @@ class Wavefront(Tracer):
         """Number of recordings of each stage since the scene changed."""
         return {name: stage.n_recordings for name, stage in self._stages.items()}
 
-    def accumulator(self) -> Accumulator:
-        """Return an empty accumulator."""
-        return _Accumulator(self)
+    def accumulator(self, kept_distances: int = 0) -> Accumulator:
+        """Return an empty accumulator; see `Tracer.accumulator`."""
+        return _Accumulator(self, kept_distances)
 
     def scene_changed(self) -> None:
         """Forget the recordings.
@@ -180,7 +180,13 @@ class Wavefront(Tracer):
             self._total = passes
 
     def add_direct(
-        self, view: CameraView, chunk: int, strata: PassStrata, sums: Sums, starts: PathStarts
+        self,
+        view: CameraView,
+        chunk: int,
+        strata: PassStrata,
+        sums: Sums,
+        starts: PathStarts,
+        distances: Any = None,
     ) -> Sums:
         """Return the sums of direct light, albedo and air with a sample more of every pixel.
 
@@ -190,6 +196,7 @@ class Wavefront(Tracer):
             strata: of the pass.
             sums: of the chunk.
             starts: of the paths, to which those of this pass are written.
+            distances: of all pixels, to which those of the chunk are written, or None.
         """
         pixels = self.direct.chunks[chunk]
         ray, held = view.rays(pixels, self.direct.size, strata, self._has_still)
@@ -201,6 +208,8 @@ class Wavefront(Tracer):
         # Not recorded: a replay would copy all starts before it writes to them.
         lanes = self._lanes.of_pass(chunk, pixels, strata.k, self.direct_samples)
         starts.write(origin, way, hit, *lanes)
+        if distances is not None:
+            dr.scatter(distances, dr.select(hit.is_valid(), hit.t, dr.inf), pixels)
         if self._water is None:
             return tuple(added)
         wet = mi.UInt32(dr.compress(meets_water))
@@ -248,8 +257,8 @@ class Wavefront(Tracer):
 class _Accumulator(Accumulator):
     """Sums direct samples and paths apart, chunk by chunk of the image."""
 
-    def __init__(self, tracer: Wavefront) -> None:
-        self._tracer = tracer
+    def __init__(self, tracer: Wavefront, kept_distances: int) -> None:
+        self._tracer, self._kept_distances = tracer, kept_distances
         self._direct = tracer.direct.zero_sums(4 if tracer.keeps_open_light else 3)
         self._indirect = tracer.indirect.zero_sums(2)
         self._passes = 0
@@ -265,8 +274,13 @@ class _Accumulator(Accumulator):
         for k in passes:
             for sample in range(count * k, count * (k + 1)):
                 strata = PassStrata(seed + 1, sample, grids[0])
+                distances = None
+                if count * total == self._kept_distances:
+                    distances = dr.zeros(mi.Float, tracer.direct.count)
+                    self.distances += (distances,)
                 for i in range(len(direct)):
-                    direct[i] = tracer.add_direct(view, i, strata, direct[i], starts)
+                    added = view, i, strata, direct[i], starts, distances
+                    direct[i] = tracer.add_direct(*added)
             strata = PassStrata(seed, k, grids[1])
             for i in range(len(indirect)):
                 indirect[i] = tracer.add_indirect(i, strata, indirect[i], starts)

@@ -122,7 +122,7 @@ class PixelLanes:
         values = dr.empty(mi.Float, 3 * width * height)
         for pixels in self.chunks:
             dr.scatter(values, sums.pop(0) / dr.opaque(mi.Float, count), pixels)
-        return np.array(values, np.float32).reshape(height, width, 3)
+        return np.asarray(values).reshape(height, width, 3)
 
 
 def pixels_of(area: NDArray[np.bool_]) -> NDArray[np.uint32]:
@@ -132,8 +132,13 @@ def pixels_of(area: NDArray[np.bool_]) -> NDArray[np.uint32]:
 
 
 def in_chunks(pixels: NDArray[np.uint32]) -> list[Any]:
-    """Return pixels in chunks that are traced at once, `mi.UInt32` each."""
-    return [mi.UInt32(p) for p in np.array_split(pixels, max(-(-len(pixels) // MAX_PATHS), 1))]
+    """Return pixels in chunks that are traced at once, `mi.UInt32` each.
+
+    All but the last are full: Dr.Jit splits them into blocks of 2^14 for its threads, of which
+    equal chunks would leave a rest for one thread to do while the others wait.
+    """
+    starts = range(0, max(len(pixels), 1), MAX_PATHS)
+    return [mi.UInt32(pixels[start : start + MAX_PATHS]) for start in starts]
 
 
 def _square_order(width: int, height: int) -> NDArray[np.uint32]:

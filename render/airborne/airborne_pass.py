@@ -115,28 +115,22 @@ class AirbornePass:
         strata = PassStrata(0, k, stratum_grid(total))
         found = []
         for pixels in self._chunks:
+            if contents.lone_puffs is not None:
+                ends = [dr.gather(mi.Float, one, pixels) for one in distances]
+                rays = central_ray(sensor, pixels, self._size)
+                if not ends:
+                    rays = camera_ray(sensor, pixels, self._size, strata.step(0))
+                found.append(self._through_dust(contents.lone_puffs, rays, ends))
+                continue
             ray = camera_ray(sensor, pixels, self._size, strata.step(0))
-            if distances:
-                ray = central_ray(sensor, pixels, self._size)
-            lanes = dr.arange(mi.UInt32, dr.width(pixels))
-            if contents.lone_puffs is not None and not distances:
-                lanes = _dusty(contents.lone_puffs, ray)
-                if dr.width(lanes) == 0:
-                    found.append(np.tile(NOTHING, (dr.width(pixels), 1)))
-                    continue
-                ray = dr.gather(mi.Ray3f, ray, lanes)
-            if distances:
-                ends = [dr.minimum(dr.gather(mi.Float, one, pixels), FAR) for one in distances]
-            else:
-                hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
-                ends = [dr.select(hit.is_valid(), hit.t, FAR)]
-            distance = ends[0]
+            hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
+            distance = dr.select(hit.is_valid(), hit.t, FAR)
             passed, light = mi.Float(1.0), mi.Color3f(0.0)
             if contents.falling is not None:
                 passed, light = self._through_rain(contents.falling, ray, hit, distance, angle)
             if contents.puffs is not None:
-                dr.eval(ray, ends, passed, light)
-                share, added = contents.puffs.seen(ray, ends)
+                dr.eval(ray, distance, passed, light)
+                share, added = contents.puffs.seen(ray, [distance])
                 light += passed * added
                 passed = passed * share
             for plume in contents.plumes:
@@ -148,11 +142,30 @@ class AirbornePass:
             if contents.sparks is not None:
                 dr.eval(ray, distance, passed, light)
                 light += contents.sparks.seen(pixels, ray, distance, angle)
-            values = mi.Float(np.tile(NOTHING, dr.width(pixels)))
-            for channel, value in enumerate((passed, *light)):
-                dr.scatter(values, value, 4 * lanes + channel)
-            found.append(np.array(values, np.float32).reshape(-1, 4))
+            lanes = dr.arange(mi.UInt32, dr.width(pixels))
+            found.append(_written(passed, light, lanes, dr.width(pixels)))
         return np.concatenate(found)
+
+    def _through_dust(self, puffs: Puffs, ray: Any, ends: Sequence[Any]) -> Image:
+        """Return what `traced` does of rays through dust alone.
+
+        Args:
+            puffs: of dust.
+            ray: from the camera.
+            ends: distances of the surfaces in a pixel [m]; empty if they are not known.
+        """
+        n = dr.width(ray.d)
+        lanes = dr.arange(mi.UInt32, n)
+        if not ends:
+            lanes = _dusty(puffs, ray)
+            if dr.width(lanes) == 0:
+                return np.tile(NOTHING, (n, 1))
+            ray = dr.gather(mi.Ray3f, ray, lanes)
+            hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
+            ends = [dr.select(hit.is_valid(), hit.t, FAR)]
+        ends = [dr.minimum(end, FAR) for end in ends]
+        dr.eval(ray, ends)
+        return _written(*puffs.seen(ray, ends), lanes, n)
 
     def _through_rain(
         self, falling: Precipitation, ray: Any, hit: Any, distance: Any, angle: Any
@@ -173,6 +186,21 @@ class AirbornePass:
         away = dr.norm(plume.middle() - ray.o)
         clear = self._air.transmittance(ray.o, ray.d, away)
         return light * clear + self._air.scattered(ray.d) * ((1.0 - clear) * (1.0 - share))
+
+
+def _written(passed: Any, light: Any, lanes: Any, count: int) -> Image:
+    """Return the share of light that passes, and the light added, (count, 4).
+
+    Args:
+        passed: of some rays, `mi.Float`.
+        light: of the same, `mi.Color3f`.
+        lanes: numbers of these rays.
+        count: of all rays; the others meet nothing.
+    """
+    values = mi.Float(np.tile(NOTHING, count))
+    for channel, value in enumerate((passed, *light)):
+        dr.scatter(values, value, 4 * lanes + channel)
+    return np.asarray(values).reshape(-1, 4)
 
 
 def _dusty(puffs: Puffs, ray: Any) -> Any:

@@ -25,9 +25,6 @@ SUBSURFACE_FALLOFF = (0.30, 0.06, -0.08)
 """By how much the power of the cosine with which skin darkens differs from Lambert's 1: red, green,
 blue. Red goes farthest below the surface, and around the edge of a shade."""
 
-SHADOW_LIFT = 0.004
-"""Height above skin from which its shadows are looked for, more than its faces are flat [m]."""
-
 RIM_GAIN, RIM_WHITE, RIM_POWER = 4.0, 0.18, 4
 """Of thin sheets with sheen, such as strands of hair: how much stronger light is that goes on
 nearly straight ahead, how much of it keeps its own colour besides, and its power of the cosine."""
@@ -125,7 +122,6 @@ def glossy_bsdf(material: Material, shader: Shader, values: dict[str, Any]) -> A
     surface.paint, surface.base = paint, mi.load_dict(opaque_bsdf(material, paint))
     surface.shader, surface.values = shader, values
     surface.falloff = tuple(material.subsurface * share for share in SUBSURFACE_FALLOFF)
-    surface.shadow_lift = SHADOW_LIFT * material.subsurface
     surface.set_flags()
     return surface
 
@@ -287,7 +283,6 @@ class _GlossyBsdf(_ShadedBsdf):
     paint: Any
     base: Any
     falloff: tuple[float, ...]
-    shadow_lift: float
 
     def set_flags(self) -> None:
         """Copy the flags of the wrapped BSDF, for both sides."""

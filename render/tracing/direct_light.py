@@ -54,11 +54,10 @@ def surface_light(
     arriving *= dimmed(shade, sample.emitter, si.p)
 
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
-        lift = mi.Float(getattr(bsdf, "shadow_lift", 0.0))
-        return *eval_pdf_albedo(bsdf, si, wo), lift, mi.Bool(not hasattr(bsdf, "translucency"))
+        return *eval_pdf_albedo(bsdf, si, wo), mi.Bool(not hasattr(bsdf, "translucency"))
 
     found = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
-    value, bsdf_pdf, albedo, normal, lift, is_solid = found
+    value, bsdf_pdf, albedo, normal, is_solid = found
     albedo = (albedo + ALBEDO_BIAS) * sky_share(relief, si, normal)
     albedo = dr.select(si.is_valid(), albedo, 0.0)
     if water is not None:
@@ -67,10 +66,7 @@ def surface_light(
         arriving *= wet * water.reaching(si.p, sample)
     light, open_light = mi.Color3f(0.0), mi.Color3f(0.0)
     if has_lamps:
-        # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
-        lift = dr.select(dr.dot(si.sh_frame.n, sample.d) < 0.0, -lift, lift)
-        offset = shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
-        si.p += lift * si.sh_frame.n + offset
+        si.p += shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
         light, open_light = unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

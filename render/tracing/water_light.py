@@ -69,8 +69,9 @@ def add_water(
     for share, direction, is_under, pair in ways:
         way = mi.Ray3f(face.p + _CLEARANCE * direction, direction)
         u = sample_2d(pixels, strata, pair), sample_1d(pixels, strata)
+        hit = scene.ray_intersect_preliminary(way, coherent=False)
         light, open_light, albedo, shining, distance = surface_light(
-            scene, shade, water, relief, way, u, has_lamps
+            scene, shade, water, relief, way, hit, u, has_lamps
         )
         if pair == BSDF_PAIR:
             depth = dr.minimum(distance, FAR) * dr.abs(direction.y)

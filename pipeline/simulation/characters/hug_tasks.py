@@ -41,7 +41,6 @@ class HugShape:
         chest_radius: of either of the two.
         back_depth: of a back behind the spine, where hands lie that cannot meet.
         settled: by how much nearer hands come to a back once they are behind it.
-        half_waist: half breadth of a trunk, around which arms go that are too short to meet.
         waist: height of the narrowest place of a trunk above the pelvis.
         hands_joined: distance of hands that join.
         reach: largest part of an arm's reach to go around with.
@@ -51,7 +50,6 @@ class HugShape:
     chest_radius: float = 0.075
     back_depth: float = 0.055
     settled: float = 0.020
-    half_waist: float = 0.080
     waist: float = 0.085
     hands_joined: float = 0.06
     reach: float = 0.95
@@ -235,8 +233,7 @@ class Hug(Task):
         reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
         # First past the partner's sides, then together.
         closed = min(self.touched / HUG.closing_time, 1.0)
-        aside, turn = self._wrap(controller, partner)
-        wide = (1.0 - closed) * 0.13 * self.size + aside
+        wide = (1.0 - closed) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide
             level = self._arm_level(controller, k)
@@ -244,20 +241,8 @@ class Hug(Task):
             x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
             middle = np.array([x, level, z])
             beyond = HUG.reach * reach - controller.ground_distance(middle)
-            behind = min(full, max(beyond, HUG.back_depth * self.size)) * turn
+            behind = min(full, max(beyond, HUG.back_depth * self.size))
             controller.put_hand_around(k, middle + behind * ahead + side * right)
-
-    def _wrap(self, controller: PersonController, partner: Array) -> tuple[float, float]:
-        """Return how far aside of the partner's spine hands lie [m], and the share of their depth.
-
-        Arms that are long enough meet. Shorter ones go past the flank and lie around an elliptic
-        trunk as far as they reach: straight for its middle they would stick out beside it.
-        """
-        half, depth = HUG.half_waist * self.size, HUG.back_depth * self.size
-        quarter = 0.5 * math.pi * math.sqrt(0.5 * (half * half + depth * depth))
-        left = HUG.reach * controller.arm - controller.ground_distance(partner)
-        angle = 0.5 * math.pi * min(max(left / quarter, 0.0), 1.0)
-        return max(half * math.cos(angle), 0.02 * self.size), math.sin(angle)
 
 
 @dataclass

@@ -182,7 +182,7 @@ def test_random_chains_match_limb_poses(
         assert np.allclose(p, pose.tips[0], atol=1e-12)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("block", [1, 7, 64, 100_000])
 def test_results_do_not_depend_on_other_limbs(
     library: Callable[[str], Figure], monkeypatch: pytest.MonkeyPatch, block: int

@@ -16,6 +16,7 @@ GROUND_SHARE = 1 / 3
 _WEATHER: dict[str, dict[str, Any]] = {
     "calm": {"wind": 0.0},
     "breeze": {},
+    "after rain": {"wet": 0.6},
     "drizzle": {"rain": 0.25},
     "rain": {"rain": 0.6},
     "storm": {"rain": 1.0, "wind": 18.0},
@@ -31,6 +32,10 @@ class Weather(PresetModel):
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _WEATHER
 
     rain: Unit = Field(0.0, description="0.25 is drizzle, 1 a downpour; it wets the ground.")
+    wet: Unit = Field(
+        0.0,
+        description="How wet ground and things are without rain: 0.6 is after rain, with puddles.",
+    )
     snow: Unit = Field(0.0, description="0.25 are single flakes; it whitens level ground.")
     wind: float = Field(
         8.0,
@@ -41,6 +46,11 @@ class Weather(PresetModel):
     wind_heading_deg: float = Field(
         25.0, ge=-360, le=360, description="Heading that the wind blows to; 0 is +X."
     )
+
+    @property
+    def wetness(self) -> float:
+        """How wet ground and things are, as the amount of rain that wets them so, 0 to 1."""
+        return max(self.rain, self.wet)
 
     @property
     def ground_wind(self) -> tuple[float, float]:

@@ -75,6 +75,7 @@ class Border:
         leaves: copies of hedges.
         placed: plants.
         plots: built ground.
+        lanterns: (N, 3) places of the lights of street lamps [m], of each row of them.
     """
 
     low: Array
@@ -90,6 +91,7 @@ class Border:
     leaves: list[Copies] = field(default_factory=list)
     placed: list[Placed] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
+    lanterns: list[Array] = field(default_factory=list)
 
     def rows(self, out: float, spacing: float, tall: float, radius: float) -> Rows:
         """Return places where something may stand, at a distance from the floor.

@@ -27,7 +27,7 @@ from pipeline.production.scenery.placement import Placed
 from pipeline.production.surroundings.land import Land
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
-from render.config import MATERIALS, Light, Material
+from render.config import MATERIALS, Lamp, Light, Material
 from render.lights.sun_position import light_elevation_deg
 from render.shot import Mesh
 
@@ -86,18 +86,25 @@ def edging_materials(light: Light) -> Mapping[str, Material]:
         "weathered": WEATHERED,
         **MATERIALS_OF_ROOMS,
         **MATERIALS_OF_HOUSES,
-        **(AFTER_DARK if _is_dark(light) else {}),
+        **(AFTER_DARK if is_dark(light) else {}),
     }
     return {f"edging {name}": material for name, material in made.items()}
 
 
-def _is_dark(light: Light) -> bool:
+def is_dark(light: Light) -> bool:
+    """Return whether windows and street lamps are lit."""
     height = light_elevation_deg(light)
     if height is None or light.sun is None:
         return height is not None
     grey = max(light.weather.rain, light.weather.snow, light.sun.clouds.overcast)
     return bool(height < np.interp(grey, (0.0, GLOOM), (LIGHTS_ON, LIGHTS_ON_IN_GLOOM)))
 
+
+STREET_LAMP = Lamp(brightness=11.0, temperature_k=2300.0, radius=0.1)
+"""The light in a lantern, which it fills."""
+
+LIT_LAMPS = 10
+"""Number of street lamps that give light, at most."""
 
 TREES: Mapping[str, tuple[str, ...]] = {
     "forest": ("birch", "oak", "spruce"),
@@ -240,6 +247,18 @@ class Edging:
     def placed(self) -> tuple[Placed, ...]:
         """Plants of the edging."""
         return tuple(self.border.placed)
+
+    def street_lamps(self, light: Light) -> tuple[Lamp, ...]:
+        """Return the street lamps that are lit, those nearest to what the cameras look at."""
+        if not self.border.lanterns or not is_dark(light):
+            return ()
+        places = np.concatenate(self.border.lanterns)
+        to_target = places[:, None] - self.border.view.targets
+        order = np.argsort(np.linalg.norm(to_target, axis=-1).min(axis=1), kind="stable")
+        lit = np.sort(order[:LIT_LAMPS])
+        return tuple(
+            STREET_LAMP.model_copy(update={"at": tuple(at)}) for at in places[lit].tolist()
+        )
 
     @property
     def plots(self) -> tuple[Plot, ...]:

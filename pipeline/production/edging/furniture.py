@@ -123,6 +123,7 @@ def lamps(border: Border, out: float, spacing: float) -> None:
     if not len(rows.places):
         return
     base = border.points(rows.places)
+    border.lanterns.append(base + LANTERN * UP)
     iron = "edging iron"
     for up, wide, high in (
         *((0.12, 0.34, 0.3), (0.4, 0.22, 0.3), (1.75, 0.09, 2.6), (2.6, 0.16, 0.06)),

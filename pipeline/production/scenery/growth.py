@@ -223,7 +223,7 @@ class Growth:
         if self.dry:
             pale = np.asarray(material.color if material.color2 is None else material.color2)
             rgb = pale + PALER * (1.0 - pale)
-        wet = min(weather.rain / 0.5, 1.0)
+        wet = min(weather.wetness / 0.5, 1.0)
         r, g, b = linear(rgb * (1.0 + wet * (WET - 1.0))).tolist()
         texels = np.rint(255.0 * share).astype(np.uint8)
         return GroundWear((float(corner[0]), float(corner[1])), RASTER, texels, (r, g, b))

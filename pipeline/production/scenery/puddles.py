@@ -83,13 +83,13 @@ class Puddles:
 
     Attributes:
         seed: of the scene.
-        rain: amount, 0 to 1.
+        weather: that leaves and ripples them.
         ground: of the terrain, beyond which none are looked for.
         is_floor: whether it is paved.
     """
 
     seed: int
-    rain: float
+    weather: Weather
     ground: HeightField
     is_floor: bool = False
 
@@ -98,13 +98,13 @@ class Puddles:
         seed: int, weather: Weather, ground: HeightField, *, is_floor: bool = False
     ) -> Puddles | None:
         """Return the puddles that a weather leaves on the ground, None without any."""
-        made = Puddles(seed, weather.rain, ground, is_floor)
+        made = Puddles(seed, weather, ground, is_floor)
         return made if made._standing > LEAST_RAIN else None
 
     @property
     def _standing(self) -> float:
         """Rain that would leave as much water on natural ground."""
-        return self.rain * (FLOOR_RAIN if self.is_floor else 1.0)
+        return self.weather.wetness * (FLOOR_RAIN if self.is_floor else 1.0)
 
     def depth(self, x: Array, z: Array) -> Array:
         """Return about how deep (N,) places lie in a puddle, negative outside any."""
@@ -172,7 +172,7 @@ class PuddleSurface:
 
     Attributes:
         mesh: of the surface at rest.
-        rain: amount, 0 to 1.
+        rain: amount that falls into it, 0 to 1.
     """
 
     mesh: Mesh
@@ -208,7 +208,7 @@ class PuddleSurface:
             FLOOR_MATERIAL if puddles.is_floor else MATERIAL,
             normals=still,
         )
-        return PuddleSurface(mesh, puddles.rain)
+        return PuddleSurface(mesh, puddles.weather.rain)
 
     @cached_property
     def _cells(self) -> Array:
@@ -216,6 +216,8 @@ class PuddleSurface:
 
     def at(self, time: float) -> Mesh:
         """Return the surface with the rings in it at a time of the film [s]."""
+        if self.rain == 0.0:
+            return self.mesh
         x, z = self.mesh.vertices[:, [0, 2]].T.astype(float)
         slopes, raised = np.zeros((len(x), 2)), np.zeros(len(x))
         for di in (-1, 0, 1):

@@ -41,14 +41,14 @@ _COLORS = ("color", "color2", "steep_color", "crest_color", "hollow_color")
 
 
 def ground_in_weather(material: Material, weather: Weather) -> Material:
-    """Return a material of the ground as rain and snow change it."""
+    """Return a material of the ground as wetness and snow change it."""
     values: dict[str, Any] = {}
-    if weather.rain > 0.0:
+    if weather.wetness > 0.0:
         is_natural = material.texture in NATURAL
         soaked, smooth = (
             (SOAKED, WET_ROUGHNESS) if is_natural else (FLOOR_SOAKED, WET_FLOOR_ROUGHNESS)
         )
-        wet = min(weather.rain / soaked, 1.0)
+        wet = min(weather.wetness / soaked, 1.0)
         values |= _darkened(material, 1.0 + wet * (WET_SHARE - 1.0))
         values["roughness"] = min(
             material.roughness, material.roughness + wet * (smooth - material.roughness)
@@ -75,13 +75,13 @@ def ground_in_weather(material: Material, weather: Weather) -> Material:
 
 
 def wetted(material: Material, weather: Weather) -> Material:
-    """Return a material of what is out in the rain: a film of water lies on what is smooth.
+    """Return a material of what rain wets: a film of water lies on what is smooth.
 
     What water leads light into is darker. Leaves, glass, and what glows stay as they are.
     """
-    if weather.rain == 0.0 or material.translucency or material.transmission or material.glow:
+    if weather.wetness == 0.0 or material.translucency or material.transmission or material.glow:
         return material
-    wet, rough = min(weather.rain / SOAKED, 1.0), material.roughness
+    wet, rough = min(weather.wetness / SOAKED, 1.0), material.roughness
     share = 1.0 - WET_DARKNESS * wet * rough * (1.0 - material.metallic)
     values = _darkened(material, share) | {
         "clearcoat": min(max(material.clearcoat, wet * (WET_COAT - rough)), 1.0),

@@ -94,7 +94,7 @@ class PuffTracks:
             weather: rain lays the dust.
             water: above the ground, or None.
         """
-        dust = DUST.get(ground.texture, 0.0) * max(1.0 - 2.5 * weather.rain, 0.0)
+        dust = DUST.get(ground.texture, 0.0) * max(1.0 - 2.5 * weather.wetness, 0.0)
         level = -math.inf if water is None else water.level
         step = 1.0 / float(take.header.rate * take.header.steps)
         births = [

@@ -57,9 +57,9 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
-from render.config import MATERIALS, Material, Water
+from render.config import MATERIALS, Light, Material, Water
 from render.development import Tone
-from render.shot import CameraPose, Mesh, Moment, Shot
+from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.water import WaterSurface
 
 
@@ -83,7 +83,6 @@ class ShotBuilder:
     def __init__(self, scene: Scene, take: Take, tracks: FilmTracks | None = None) -> None:
         self.take = take = drawn(take, scene)
         self.film = scene.film.resolved()
-        self.light = scene.light
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         require_titles(scene)
@@ -137,12 +136,17 @@ class ShotBuilder:
         self._water = _water(scene, self._land)
         ground = self.materials[take.terrain.material]
         self._puffs = PuffTracks.of(take, ground, scene.light.weather, self._water)
-        lamps = (*scene.light.lamps, *self._plumes.lamps)
-        self.light = scene.light.model_copy(update={"lamps": lamps})
 
     def set_tones(self, tones: tuple[Tone, ...]) -> None:
         """Expose each frame as metered."""
         self.tracks = replace(self.tracks, tones=tones)
+
+    @cached_property
+    def light(self) -> Light:
+        """The light of the scene, with the lamps of fires and of the street."""
+        own = self._scene.light
+        lamps = (*own.lamps, *self._plumes.lamps, *self._standing.lamps)
+        return own.model_copy(update={"lamps": lamps})
 
     @property
     def cuts(self) -> tuple[range, ...]:
@@ -219,7 +223,7 @@ class ShotBuilder:
         has_footprints = self._scene.terrain.footprints
         poses = tuple(pose for cut in self._filmed for pose in cut.poses)
         spares = bool(self._scatter.wanted or self._edging)
-        rain = self._scene.light.weather.rain
+        rain = self._scene.light.weather.wetness
         grows = any(
             len(mesh.hair) or holds_beads(mesh, self.materials[part.material], rain)
             for part in visible_parts(self.take)
@@ -275,7 +279,11 @@ class ShotBuilder:
         if puddles is not None:
             meshes.append(puddles.at(self._time(frame, part)))
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
-        lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
+        lamps = (
+            *self._lamps.placed(self.take, at),
+            *fire_lamps(plumes, time),
+            *(LampPlace(lamp.at) for lamp in self._standing.lamps),
+        )
         puffs = self._puffs.at(float((frame - 1 + part) / self.clock.rate))
         made = self._footprints.count(at) if self._footprints else 0
         return Moment(tuple(meshes), camera, lamps, time, plumes, puffs, made)
@@ -293,7 +301,7 @@ class ShotBuilder:
         """Return the drops on smooth skins that are out in the rain, None without any."""
         if not len(self.tracks.grain):
             return None
-        rain, seed = self._scene.light.weather.rain, self._scene.seed
+        rain, seed = self._scene.light.weather.wetness, self._scene.seed
         beads = Beads.of(self.take, self.materials, self.tracks.grain, rain, seed)
         if beads is not None:
             self.materials = {**self.materials, **BEAD_MATERIALS}
@@ -302,7 +310,7 @@ class ShotBuilder:
     def _time(self, frame: int, part: float) -> float:
         """Return the time since the film began [s], 0 where light, water and air stand still."""
         waves = self._water is not None and self._water.waves
-        changes = self.light.changes or waves or self._plumes.sources
+        changes = self._scene.light.changes or waves or self._plumes.sources
         return float((frame - 1 + part) / self.clock.rate) if changes else 0.0
 
     def _trodden_at(self, row: float) -> tuple[Mesh, ...]:

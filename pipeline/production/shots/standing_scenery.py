@@ -43,7 +43,7 @@ from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_mesh import vertices_around
 from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.spec.scene import Scene
-from render.config import Material
+from render.config import Lamp, Material
 from render.lights.sun_position import sun_direction
 from render.shot import Mesh
 from render.water import WaterSurface
@@ -115,6 +115,11 @@ class StandingScenery:
         """What stands still and gives light, such as windows at night."""
         return tuple(mesh for mesh in self._all[0] if self._glows(mesh))
 
+    @property
+    def lamps(self) -> tuple[Lamp, ...]:
+        """Street lamps that give light."""
+        return () if self._edge is None else self._edge.street_lamps(self.scene.light)
+
     def _glows(self, mesh: Mesh) -> bool:
         return mesh.material in self.materials and self.materials[mesh.material].glow > 0.0
 
@@ -132,7 +137,7 @@ class StandingScenery:
                 for mesh in land
             )
         treads = Treads.of(self.take)
-        edging = self._edging_along()
+        edging = self._edge
         base = self.terrain
         if edging is not None:
             land = (land[0], *edging.meshes()) if edging.apron else (*land, *edging.meshes())
@@ -158,7 +163,8 @@ class StandingScenery:
         seen = (*ground, *(frosted(mesh, weather) for mesh in still))
         return seen, trodden, SceneryTally.of(every, detail)
 
-    def _edging_along(self) -> Edging | None:
+    @cached_property
+    def _edge(self) -> Edging | None:
         """Return the edging of the floor."""
         if self.edging is None:
             return None

@@ -10,7 +10,7 @@ import pytest
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.edging import Edging, Setting, edging_materials
+from pipeline.production.edging.edging import LIT_LAMPS, Edging, Setting, edging_materials
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
@@ -145,6 +145,20 @@ def test_soil_creeps_over_the_border_but_never_under_the_cast_or_above_the_land_
 def test_lamps_are_lit_in_the_dark_and_in_gloom(light: object, lit: bool) -> None:
     glass = edging_materials(Light.model_validate(light))["edging lantern glass"]
     assert (glass.glow > 0.0) == lit
+
+
+def test_street_lamps_give_light_from_within_their_glass_in_the_dark() -> None:
+    made = edging("houses")
+    assert not made.street_lamps(Light.model_validate({"sun": {"hour": 12.0}}))
+    lit = made.street_lamps(Light.model_validate({"sun": {"hour": 21.5, "day": 150}}))
+    assert 2 <= len(lit) <= LIT_LAMPS
+    (glass,) = [mesh for mesh in made.meshes() if mesh.material == "edging lantern glass"]
+    low, high = glass.vertices.min(axis=0), glass.vertices.max(axis=0)
+    for light in lit:
+        near = np.abs(glass.vertices - light.at).max(axis=1) < 0.13
+        assert near.sum() >= 8
+        assert low[1] < light.at[1] < high[1]
+    assert not edging("hedge").street_lamps(Light.model_validate("night"))
 
 
 @pytest.mark.sample(8)

@@ -34,7 +34,7 @@ def ground(heights: Array) -> HeightField:
 
 def sloping(rise: float) -> Puddles:
     """Return the puddles of heavy rain on ground with a slope."""
-    return Puddles(5, 0.6, ground(rise * AT))
+    return Puddles(5, Weather(rain=0.6), ground(rise * AT))
 
 
 def level() -> Puddles:
@@ -67,9 +67,20 @@ def test_drizzle_leaves_puddles_on_a_floor_and_none_on_soil() -> None:
     assert 0.0 < mesh.vertices[:, 1].max() <= FLOOR_LIFTED + 1e-5
 
 
+def test_water_stands_still_after_rain() -> None:
+    field = ground(0.0 * AT)
+    made = Puddles.of(5, Weather.model_validate("after rain"), field)
+    assert made is not None
+    after = surface(made)
+    assert after.at(0.4) is after.mesh
+    falling = Puddles.of(5, Weather(rain=0.6), field)
+    assert falling is not None
+    np.testing.assert_array_equal(surface(falling).mesh.vertices, after.mesh.vertices)
+
+
 def test_water_gathers_in_hollows_and_runs_off_slopes() -> None:
     assert not (sloping(0.25).depth(X, Z) > 0.0).any()
-    hollows = Puddles(5, 0.6, ground(-0.08 * np.cos(np.pi * AT)))
+    hollows = Puddles(5, Weather(rain=0.6), ground(-0.08 * np.cos(np.pi * AT)))
     wet = hollows.depth(X, Z) > 0.0
     low = np.cos(np.pi * X) > 0.7
     high = np.cos(np.pi * X) < -0.7

@@ -463,5 +463,5 @@ def test_a_thousand_scenes_take_little_memory(
     before = resident_memory(os.getpid()) or 0
     assert farm.run() == 0
     assert [row.state for row in farm.log.rows] == ["done"] * 1000
-    assert before < most[0] < 500 * 2**20
-    assert most[0] - before < 150 * 2**20
+    # What earlier tests loaded into this process is no matter of the driver.
+    assert before < most[0] < before + 150 * 2**20

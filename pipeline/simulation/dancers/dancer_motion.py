@@ -38,6 +38,11 @@ LEARNING_RATE = 0.9
 LEAD_LIMIT = 0.25
 """Largest lead that is learnt [s]."""
 
+SHORTENING_LIMIT = 0.25
+"""Largest fraction of a move by which a lead shortens it; the rest of the lead starts it earlier.
+
+A hand on a way of several legs has no use for a shorter time: a leg has a least duration."""
+
 TOUCH_TOLERANCE = 0.025
 """Error of a touch on the body that is not corrected after practice [s]: less than a frame."""
 
@@ -194,7 +199,7 @@ class DancerMotion:
         """Starts the moves and poses that are due."""
         for k, arm in enumerate(self.arms):
             rows, i = self.moves[k], self._next[k]
-            while i < len(rows) and rows[i].begin <= now + 1e-9:
+            while i < len(rows) and rows[i].begin - self._head_start(k, i) <= now + 1e-9:
                 if not self._is_posed[k]:
                     self._start_move(arm, rows[i], now)
                 i += 1
@@ -214,6 +219,15 @@ class DancerMotion:
             else:
                 self._trunk_pose.update(angles)
                 self.trunk.base_angles.update(angles)
+
+    def _head_start(self, k: int, i: int) -> float:
+        """Returns by how much move i of hand k starts early: never before the last one ends [s]."""
+        move = self.moves[k][i]
+        early = self.late.get(move.place, 0.0) - SHORTENING_LIMIT * (move.land - move.begin)
+        if early <= 0.0:
+            return 0.0
+        last = self.moves[k][i - 1].land if i else 0.0
+        return min(early, max(move.begin - last, 0.0))
 
     def change(self, moves: Mapping[str, Sequence[Move]], beat: float, start: float) -> None:
         """Replaces the moves to come; without any the dancer stands still.

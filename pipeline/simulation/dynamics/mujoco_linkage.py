@@ -31,6 +31,8 @@ ARMATURE = 0.004
 FRICTION = 0.5
 """Friction of skin on skin."""
 
+NO_PAIRS = frozenset[tuple[int, int]]()
+
 CONTACT_CHECK_STEPS = 3
 """Steps between two checks for new contacts."""
 
@@ -97,7 +99,7 @@ class LinkageSimulation:
         self.solids = [model.geom(i).name for i in range(model.ngeom)]
         self._gain, self._bias = model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
         self._jacobian = np.zeros((3, n))
-        self._touching = 0
+        self._touching = NO_PAIRS
         self._pairs = b""
         self.settle()
 
@@ -120,12 +122,18 @@ class LinkageSimulation:
             stride = min(CONTACT_CHECK_STEPS, count - done)
             step(model, data, stride)
             done += stride
-            touching = data.ncon
-            if touching > self._touching:
-                self._touching = touching
-                return done
-            self._touching = touching
+            # A pair may part as another meets: then the number of contacts stays.
+            before, self._touching = self._touching, self._colliding_pairs()
+            if not self._touching <= before:
+                break
         return done
+
+    def _colliding_pairs(self) -> frozenset[tuple[int, int]]:
+        """Returns the pairs of solids that collide."""
+        data = self.data
+        if not data.ncon:
+            return NO_PAIRS
+        return frozenset(map(tuple, data.contact.geom.tolist()))
 
     def share(self, first: int, last: int, pulled: int, servo: float, calm: float) -> None:
         """Sets the weights of servos and pulling force on a chain of hinges.

@@ -104,17 +104,17 @@ def test_touches_are_at_their_places_within_a_frame_of_beats(by: str, tempo: flo
         if goal.surface is None:
             continue
         solid, own = solids[str(goal.subtask.touch).split("_")[0]], f"hand_{'rl'[hand]}"
+        # The other hand may lie behind the head already: a brush against it is no arrival.
         near = [
             s
             for s in motion.strikes
-            if own in (s.hand, s.other) and abs(s.time - move.land) < 0.5 * beat
+            if own == s.hand
+            and not s.other.startswith("hand")
+            and abs(s.time - move.land) < 0.5 * beat
         ]
         first = min(near, key=lambda s: s.time)
         assert abs(first.time - move.land) < FRAME, (goal.subtask.name, move.bar, near)
-        # A neighbouring solid may be touched first: an arm, or the other hand.
-        neighbours = {
-            "ribs": ("ribs", "breast", "belly"),
-            "head": ("head", "neck", "hand_r", "hand_l"),
-        }
+        # A neighbouring solid may be touched first, or an arm.
+        neighbours = {"ribs": ("ribs", "breast", "belly"), "head": ("head", "neck")}
         others = (*neighbours.get(solid, (solid,)), "upper_arm_r", "upper_arm_l")
         assert first.other in others, (goal.subtask.name, near)

@@ -443,6 +443,8 @@ def _stand(
         person.pitch[k] *= 1.0 - smoothstep(min(stance_fraction / settle_fraction, 1.0)) * 0.25
     else:
         person.pitch[k] = pitch
+    if person.sit_blend > 0.0:
+        person.pitch[k] = -person.seat_heel_rise * smoothstep(person.sit_blend)
     stood = row(person.stance_place, k)
     slope = slope_along(person, frame, vertices, stood, person.yaw[k])
     offset = ankle_offset(person, person.yaw[k], person.pitch[k], slope)

@@ -151,6 +151,7 @@ class Grab(Task):
         approach: to it.
         progress: of the hands.
         standoff: from low things.
+        joins: whether one hand brings what it has to the other.
     """
 
     hands: tuple[int, ...]
@@ -161,6 +162,7 @@ class Grab(Task):
     approach: Approach = field(default_factory=Approach)
     progress: TaskProgress = field(default_factory=TaskProgress)
     standoff: Standoff = field(default_factory=Standoff)
+    joins: bool = False
 
     def asks_for(self, controller: PersonController) -> str:
         """See `Task`; what is light is handed over, heavy things are held by several."""
@@ -182,9 +184,18 @@ class Grab(Task):
         near = (0.8 if is_high else BOWED_RANGE) * controller.arm
         near += controller.ball_radius(self.owner)
         is_walking = controller.ground_distance(first) > near + 0.12 * controller.arm
+        held = controller.hands_holding(controller.view.names[self.owner])
+        # What hangs from one hand is not run after.
+        self.joins = self.leads_hands = bool(held) and (self.joins or is_walking)
+        if self.joins:
+            self._join_hands(controller, held, dt)
+            return False
         if is_walking and not self.standoff.is_stepping:
             if self.part is None:
                 self.nodes.clear()
+            for k in self.hands:
+                if not controller.is_holding(k):
+                    person.arm_mode[k] = SWINGING
             partner = self.giver if self.giver >= 0 else self.owner
             reason = self.approach.walk_to(controller, first, near, partner, dt)
             self.stick(reason, self.approach)
@@ -195,6 +206,27 @@ class Grab(Task):
         if is_high or self._gets_down(controller, first, dt):
             self._close_hands(controller, dt)
         return False
+
+    def _join_hands(self, controller: PersonController, held: tuple[int, ...], dt: float) -> None:
+        """Bring what one hand holds before the waist, and close the other around it."""
+        controller.stop()
+        view, farthest = controller.view, 0.0
+        radius = controller.ball_radius(self.owner)
+        flat = view.nodes(self.owner) - view.nodes(self.owner).mean(axis=0)
+        right = np.array([-controller.ahead[2], 0.0, controller.ahead[0]])
+        width, depth = (float(np.abs(flat @ axis).max()) for axis in (right, controller.ahead))
+        for k in {*held, *self.hands}:
+            if k in held:
+                controller.lead_hand(k, controller.place_before(k, width, depth))
+                continue
+            self.nodes[k] = controller.node_to_grip(self.owner, self.part, k)
+            place = view.p[self.nodes[k]]
+            controller.lead_hand(k, place)
+            distance = math.dist(controller.hand(k), place)
+            farthest = max(farthest, distance)
+            if distance < PATIENT_GRAB_DISTANCE * controller.record.height + radius:
+                controller.grip(k, self.nodes[k])
+        self._check_progress(controller, farthest, dt)
 
     def _gets_down(self, controller: PersonController, place: Array, dt: float) -> bool:
         """Step off from a low place that is too near, turn to it, and tell when to bow."""

@@ -33,6 +33,7 @@ from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
 from pipeline.simulation.characters.standoff import Standoff
+from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.spatial import Array
 
@@ -49,6 +50,7 @@ LEAD_TIME = 0.5  # by which each goes ahead of where it should be [s]
 LAG = 0.25  # behind its place at which the other waits [m]
 GATHERING_TIME = 8.0  # since somebody last walked, after which both give up [s]
 TAKING_TIME = 6.0  # after which both begin anew, and then give up [s]
+TAKING_PATIENCE = 2.0  # of hands that come no nearer, after which they do too [s]
 WALKING_TIME = 4.0  # without getting on, after which both put it down [s]
 LIFTING_TIME = 1.2  # [s]
 MOST_TRIES = 2  # to take it
@@ -80,6 +82,8 @@ class Crew:
         hands: (2, 2, 3) places of the hands on the thing, from its middle, by person and hand [m].
         ready: which of them are.
         steps: for which each has taken part.
+        away: distance of the farther hand of each from its place on the thing [m].
+        progress: of these hands.
         tries: how often both have tried to take it.
         reason: why they give up, "" while they do not.
     """
@@ -94,6 +98,8 @@ class Crew:
     hands: Array = field(default_factory=lambda: np.zeros((2, 2, 3)))
     ready: list[bool] = field(default_factory=lambda: [False, False])
     steps: list[int] = field(default_factory=lambda: [0, 0])
+    away: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    progress: TaskProgress = field(default_factory=TaskProgress)
     tries: int = 0
     reason: str = ""
 
@@ -109,6 +115,7 @@ class Crew:
     def go_on(self, stage: Stage) -> None:
         """Begin a stage."""
         self.stage, self.time, self.ready = stage, 0.0, [False, False]
+        self.progress = TaskProgress()
 
     def advance(self, dt: float) -> None:
         """Advance the stage by a step, once for both and before either acts."""
@@ -122,12 +129,17 @@ class Crew:
         elif self.stage is Stage.GATHER and self.time > GATHERING_TIME:
             late = self.people[self.ready.index(False)]
             self.reason = f"{late.name} does not come to the other end at {place_text(late)}"
-        elif self.stage is Stage.TAKE and self.time > TAKING_TIME:
+        elif self.stage is Stage.TAKE and self._takes_in_vain(dt):
             self.tries += 1
             if self.tries < MOST_TRIES:
                 self.go_on(Stage.GATHER)
             else:
                 self.reason = "both cannot take it at once"
+
+    def _takes_in_vain(self, dt: float) -> bool:
+        """Tell whether hands no longer come nearer to the thing."""
+        patience = self.progress.update(max(self.away), dt)
+        return patience > TAKING_PATIENCE or self.time > TAKING_TIME
 
     def _set_out(self) -> None:
         self.go_on(Stage.WALK)
@@ -320,7 +332,7 @@ class CarryEnd(Task):
         places = state.centre + crew.hands[self.number]
         middle = places.mean(axis=0)
         if not self.standoff.is_kept(controller, middle, middle, dt):
-            crew.ready[self.number] = False
+            crew.ready[self.number], crew.progress = False, TaskProgress()
             return
         controller.face_to(state.centre)
         farthest, widest = 0.0, WIDEST_OPENING * float(person.height)
@@ -331,6 +343,7 @@ class CarryEnd(Task):
             place = places[k] + opening * crew.across
             controller.put_hand(k, place + lift_over_knees(controller, k, places[k]))
             farthest = max(farthest, distance)
+        crew.away[self.number] = farthest
         closing = CLOSING if crew.time < PATIENCE else PATIENT_CLOSING
         crew.ready[self.number] = farthest < closing * person.height
 

@@ -57,7 +57,7 @@ def support_at(
         z: of the position [m].
     """
     height, normal = surface_at(frame, vertices, x, z)
-    if person.deck != NOBODY and person.known_deck == person.deck:
+    if person.deck != NOBODY and person.known_deck == person.deck and not person.beside_deck:
         top, inside, _ = _deck_at(person, x, z)
         is_low = top - person.floor < HIGHEST_STEP * leg_length(person)
         if inside > 0.0 and top > height and is_low:
@@ -70,6 +70,8 @@ def support_at(
 def clear_of_edge(person: Record, x: float, z: float) -> tuple[float, float]:
     """Return the place nearest to a foothold at which a foot stands wholly on a deck or beside it.
 
+    A person that walks beside a deck never steps onto it, however near.
+
     Args:
         person: `PERSON` record.
         x: of the foothold [m].
@@ -78,6 +80,9 @@ def clear_of_edge(person: Record, x: float, z: float) -> tuple[float, float]:
     if person.deck == NOBODY or person.known_deck != person.deck:
         return x, z
     top, inside, outward = _deck_at(person, x, z)
+    if person.beside_deck and inside > -OUTSIDE_MARGIN * person.foot:
+        move = OUTSIDE_MARGIN * person.foot + inside
+        return x + move * outward[0], z + move * outward[2]
     narrow = NARROW_DECK * min(person.deck_half[0], person.deck_half[1])
     within = min(INSIDE_MARGIN * person.foot, narrow)
     beyond = OUTSIDE_MARGIN * person.foot

@@ -204,6 +204,8 @@ PERSON = np.dtype(
         # back; whether to keep quite still.
         ("posture", "i8"),
         ("seat", "f8", 3),
+        # Angle by which heels rise in sitting where the seat is high [rad].
+        ("seat_heel_rise", "f8"),
         ("frozen", "?"),
         # Whether one that keeps still does so in fear, and sways on its feet all the same.
         ("fearful", "?"),
@@ -214,6 +216,8 @@ PERSON = np.dtype(
         ("deck", "i8"),
         ("known_deck", "i8"),
         ("deck_wanted", "?"),
+        # Whether it walks beside the deck, and sets no foot on it.
+        ("beside_deck", "?"),
         ("deck_place", "f8", 3),
         ("deck_turn", "f8", (3, 3)),
         ("deck_half", "f8", 2),

@@ -306,7 +306,7 @@ class SitDown(Task):
             x = person.at[0] - back * math.cos(person.heading)
             z = person.at[1] + back * math.sin(person.heading)
             height = controller.floor_height(x, z) + SEAT_HEIGHT * person.height
-            person.seat[:] = back, height, -0.06
+            person.seat[:], person.seat_heel_rise = (back, height, -0.06), 0.0
             person.has_goal, person.has_facing, person.posture = False, False, SITTING
             self.time += dt
             if self.time > POSTURE_PATIENCE:

@@ -193,6 +193,8 @@ class PushRound(Task):
     ) -> None:
         """Walk after the post, facing along the round."""
         person, ring = controller.record, self._ring(controller, carousel)
+        # Feet that swing past the rim need not clear the deck: nobody lifts them so high.
+        person.beside_deck = not bool(person.stance_on_deck.any())
         own = carousel.angle_of(*person.at)
         lag = self._lag(controller, carousel)
         wanted = carousel.post_angle(number) - self.sense * lag
@@ -251,4 +253,4 @@ class PushRound(Task):
     def leave(self, controller: PersonController) -> None:
         """See `Task`."""
         release_bars(controller, self.owner)
-        self.leads_hands = False
+        self.leads_hands = controller.record.beside_deck = False

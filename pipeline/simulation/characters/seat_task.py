@@ -21,11 +21,13 @@ from pipeline.simulation.characters.person_tasks import (
     take_route,
     walking_failure,
 )
+from pipeline.simulation.characters.seat_perch import perch_on
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.spatial import Array
 
 SEAT_RANGE = 0.25, 0.8  # heights of seats, in the height of the hips
+HIGHEST_PERCH = 0.9  # of a seat of this room, up to whose edge the feet stand
 SEAT_STANDOFF = 0.17  # of the feet before a seat of another room, in heights
 SQUARE = 1.25  # length of a thing in its width, up to which one sits on any of its sides
 SEAT_PITCH = 0.48  # length of a thing that one person takes up in sitting [m]
@@ -187,7 +189,7 @@ class SitOn(Task):
             return self.number is not None
         bench = self._bench(controller)
         if self.stage == 0 or self.owner < 0:
-            self.failure = _seat_failure(bench.top, controller)
+            self.failure = _seat_failure(bench.top, controller, self.owner >= 0)
             if self.failure:
                 return False
         distance, back = self._standoff(controller, bench)
@@ -261,18 +263,27 @@ class SitOn(Task):
         person = controller.record
         if controller.is_standing and controller.is_facing(SEAT_TURN_TOLERANCE):
             person.has_facing, person.posture = False, SITTING
-            person.seat[:] = back, bench.top + SEAT_HEIGHT * person.height, 0.02
+            perch = perch_on(person, bench.top, back)
+            person.seat[:] = perch.back, bench.top + SEAT_HEIGHT * person.height, 0.02
+            person.seat_heel_rise = perch.heel_rise
         if person.sit_blend == 0.0:
             self.time += dt
             if self.time > POSTURE_PATIENCE:
                 self.stick(f"cannot turn round before it at {place_text(controller)}")
 
 
-def _seat_failure(top: float, controller: PersonController) -> str:
-    """Return why a person cannot sit at a height [m], "" if it can."""
+def _seat_failure(top: float, controller: PersonController, is_near: bool) -> str:
+    """Return why a person cannot sit at a height [m], "" if it can.
+
+    Args:
+        top: height of the seat [m].
+        controller: of the person.
+        is_near: whether the feet stand right before its edge.
+    """
     person = controller.record
     height = top - float(person.floor)
-    low, high = (share * float(person.hip_height) for share in SEAT_RANGE)
+    shares = SEAT_RANGE[0], HIGHEST_PERCH if is_near else SEAT_RANGE[1]
+    low, high = (share * float(person.hip_height) for share in shares)
     if low <= height <= high:
         return ""
     text = "high" if height > high else "low"

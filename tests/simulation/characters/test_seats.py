@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from pipeline.production.run.notes import take_notes
+from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.playthings import BOX_SIZES, CORNERS
+from pipeline.simulation.characters.seat_perch import perch_on
 from pipeline.simulation.characters.seat_task import SEAT_PITCH, bench_of
 from pipeline.simulation.characters.slots import Slots
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.spec import read_scene
 
 SCENE = """\
@@ -97,7 +99,7 @@ def test_a_square_thing_is_sat_on_from_the_side_that_one_comes_from(
 @pytest.mark.parametrize(
     ("thing", "text"),
     [
-        ("character: box, scale: 1.6, at: [0, 0]", "too high: 0.78 m"),
+        ("character: box, scale: 1.8, at: [0, 0]", "too high: 0.88 m"),
         ("character: box, scale: 0.3, at: [0, 0]", "too low: 0.15 m"),
         ("prop: {shape: box, size: [0.6, 0.9, 0.6]}, at: [0, 0.45, 0]", "too high: 0.90 m"),
     ],
@@ -114,3 +116,18 @@ def test_what_is_no_seat_is_given_up_with_a_note(thing: str, text: str) -> None:
     assert freeze.step >= sit.end > 0
     (note,) = take_notes(take, Clock(take.header.rate, 15))
     assert text in note.text
+
+
+def test_feet_of_short_legs_reach_the_ground_from_a_high_seat() -> None:
+    scene = (
+        "pronk: 1\nduration: 1\ncast:\n  - {name: kid, character: child, at: [0, 0], scale: 0.85}\n"
+    )
+    simulation = Simulation(read_scene(scene))
+    troupe = next(one for one in simulation.troupes if isinstance(one, Characters))
+    kid = troupe.dispatcher.controllers[0].record
+    hips = float(kid.hip_height)
+    low, high = perch_on(kid, 0.6 * hips, 0.2), perch_on(kid, 0.87 * hips, 0.2)
+    assert low.back == 0.2
+    assert low.heel_rise == 0.0
+    assert 0.1 < high.back < 0.2
+    assert math.radians(20.0) < high.heel_rise <= math.radians(50.0)

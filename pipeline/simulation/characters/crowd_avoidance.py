@@ -5,8 +5,8 @@ both walk share the way that is to be made; of a standing person a walker makes 
 all half planes, the velocity nearest to the wanted one is taken. In a throng where there is none,
 it keeps clear of their bodies and offends least against the space around them. Who gets no
 further squeezes through, for whom standing people make way. In a crowd walkers keep a headway, or
-their feet would strike the legs of those ahead. Others are visited in order along x, so that a
-crowd costs little more than a few.
+their feet would strike the legs of those ahead, and brake rather than step aside. Others are
+visited in order along x, so that a crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -20,9 +20,14 @@ import numpy as np
 
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
-from pipeline.simulation.characters.half_planes import allowed_velocity
+from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
-from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, order_along_x
+from pipeline.simulation.characters.neighbours import (
+    Numbers,
+    find_neighbours,
+    insert_nearest,
+    order_along_x,
+)
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.walking_group import (
@@ -98,8 +103,11 @@ def avoid_people(persons: Records) -> None:
             _forbid(person, other, tight, 0.0, x, z, lines[k])
             _forbid(person, other, own_space, 1.0 - squeeze, x, z, lines[count + k])
         if count > 0:
-            x, z = allowed_velocity(lines, projected, count, QUICKEST * person.pace, x, z)
-            if in_crowd:
+            limit = QUICKEST * person.pace
+            if not in_crowd:
+                x, z = allowed_velocity(lines, projected, count, limit, x, z)
+            else:
+                x, z = velocity_by_braking(lines, projected, count, limit, x, z)
                 share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
         _squeeze(person, wanted_x, wanted_z)
@@ -148,13 +156,7 @@ def _find_nearest(persons: Records, order: Numbers, n: int, near: Numbers, neare
         x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
         square = x * x + z * z
         if other.owner != person.partner and 1e-18 < square < SIGHT_RANGE**2:
-            k = min(count, MOST_NEIGHBOURS - 1)
-            if count < MOST_NEIGHBOURS or square < squares[k]:
-                while k > 0 and squares[k - 1] > square:
-                    squares[k], nearest[k] = squares[k - 1], nearest[k - 1]
-                    k -= 1
-                squares[k], nearest[k] = square, near[m]
-                count = min(count + 1, MOST_NEIGHBOURS)
+            count = insert_nearest(squares, nearest, count, square, near[m])
     return count
 
 

@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.neighbours import Numbers, find_neighbours
+import numpy as np
+
+from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, insert_nearest
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
     rows_apart,
@@ -75,18 +77,17 @@ def head_for_gap(
 def _people_ahead(
     persons: Records, order: Numbers, n: int, near: Numbers, seen: Numbers, x: float, z: float
 ) -> int:
-    """Write the numbers of people before a person that goes along x, z; return how many."""
+    """Write the numbers of the nearest people before one that goes along x, z; return how many."""
     person = persons[order[n]]
     count = 0
+    squares = np.zeros(MOST_SEEN)
     for m in range(find_neighbours(persons, order, n, SIGHT, near)):
         other = persons[near[m]]
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         is_other = other.owner != person.partner and not walks_with(person, other)
-        if is_other and dx * dx + dz * dz < SIGHT * SIGHT and dx * x + dz * z > 0.0:
-            seen[count] = near[m]
-            count += 1
-            if count == MOST_SEEN:
-                break
+        square = dx * dx + dz * dz
+        if is_other and square < SIGHT * SIGHT and dx * x + dz * z > 0.0:
+            count = insert_nearest(squares, seen, count, square, near[m])
     return count
 
 

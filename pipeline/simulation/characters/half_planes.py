@@ -11,6 +11,7 @@ from pipeline.simulation.dynamics.compiled import compiled, inlined
 from pipeline.simulation.spatial import Array
 
 PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
+SIDESTEP_COST = 2.0  # of a velocity across the way in a crowd, relative to one along it
 
 
 @inlined
@@ -38,6 +39,37 @@ def allowed_velocity(
     if failed < count:
         return _least_offence(lines, projected, 0, failed, count, limit, x, z)
     return _least_offence(lines, projected, count, failed, 2 * count, limit, x, z)
+
+
+@compiled
+def velocity_by_braking(
+    lines: Array, projected: Array, count: int, limit: float, x: float, z: float
+) -> tuple[float, float]:
+    """Return the allowed velocity of a walker that brakes rather than steps aside.
+
+    Two groups that cross would else carry each other off: who goes along with the others is never
+    past them.
+
+    Args:
+        lines: of velocities as of `allowed_velocity`; overwritten.
+        projected: room for as many.
+        count: number of people.
+        limit: greatest speed along the way.
+        x: of the wanted velocity.
+        z: of the wanted velocity.
+    """
+    speed = max(math.hypot(x, z), 1e-9)
+    c, s = x / speed, z / speed
+    # In coordinates along the way and, stretched, across it.
+    for k in range(2 * count):
+        px, pz, dx, dz = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
+        lines[k, 0], lines[k, 1] = c * px + s * pz, SIDESTEP_COST * (c * pz - s * px)
+        dx, dz = c * dx + s * dz, SIDESTEP_COST * (c * dz - s * dx)
+        size = math.hypot(dx, dz)
+        lines[k, 2], lines[k, 3] = dx / size, dz / size
+    along, across = allowed_velocity(lines, projected, count, limit, speed, 0.0)
+    across /= SIDESTEP_COST
+    return c * along - s * across, s * along + c * across
 
 
 @compiled

@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 
 from benchmarks.crossing import cross
+from pipeline.simulation.characters import half_planes
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import headway_share
-from pipeline.simulation.characters.neighbours import find_neighbours, order_along_x
+from pipeline.simulation.characters.neighbours import (
+    find_neighbours,
+    insert_nearest,
+    order_along_x,
+)
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.dynamics.record_array import zero_records
+from pipeline.simulation.spatial import Array
 from tests.simulation.characters.scripted_people import STEPS, play_scene
 
 
@@ -72,6 +78,41 @@ def test_walkers_in_a_crowd_keep_a_headway_by_their_speed(
     plain: Any = headway_share
     share = plain.py_func(persons, persons[0], np.array([1]), 1, 1.3, 0.0)
     assert 1.3 * share == pytest.approx(fastest, abs=0.01)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.8, -2.0])
+def test_walkers_in_a_crowd_brake_rather_than_step_aside(
+    turn: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nearest_on_line(
+        lines: Array, room: Array, count: int, limit: float, *wanted: float
+    ) -> Array:
+        point, direction = lines[0, :2], lines[0, 2:]
+        nearest: Array = point + direction * float(direction @ (np.array(wanted) - point))
+        return nearest
+
+    monkeypatch.setattr(half_planes, "allowed_velocity", nearest_on_line)
+    c, s = np.cos(turn), np.sin(turn)
+    to_world, point, direction = np.array([[c, -s], [s, c]]), np.array([0.7, 0.0]), [0.6, 0.8]
+    lines = np.tile(np.concatenate([to_world @ point, to_world @ direction]), (2, 1))
+    plain: Any = half_planes.velocity_by_braking
+    velocity = np.array(plain.py_func(lines, lines, 1, 1.4, 1.2 * c, 1.2 * s)) @ to_world
+    off = velocity - point
+    assert direction[0] * off[1] - direction[1] * off[0] == pytest.approx(0.0, abs=1e-12)
+    # The least of what it costs to brake and to step aside, on the edge of what is allowed.
+    cost = half_planes.SIDESTEP_COST**2
+    along, across = velocity - [1.2, 0.0]
+    assert along * direction[0] + cost * across * direction[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_nearest_people_are_kept_whatever_the_order() -> None:
+    far = np.random.default_rng(2).permutation(30).astype(float)
+    plain: Any = insert_nearest
+    squares, nearest, count = np.zeros(8), np.zeros(8, dtype=np.int64), 0
+    for number, square in enumerate(far):
+        count = plain.py_func(squares, nearest, count, square, number)
+    assert count == 8
+    np.testing.assert_array_equal(nearest, np.argsort(far)[:8])
 
 
 def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() -> None:

@@ -56,6 +56,9 @@ MOST_NEIGHBOURS = 10  # the nearest that are heeded
 QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 
+# Of velocity across the way, relative to that along it, where all others come from the side.
+MORE_SIDESTEP_COST = 2.0
+
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
@@ -107,12 +110,24 @@ def avoid_people(persons: Records) -> None:
             if not in_crowd:
                 x, z = allowed_velocity(lines, projected, count, limit, x, z)
             else:
-                x, z = velocity_by_braking(lines, projected, count, limit, x, z)
+                cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
+                x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
                 share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
         _squeeze(person, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - alone_z - person.sidestep[1])
+
+
+@compiled
+def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float) -> float:
+    """Return how much the nearest people walk across the way of a walker, 0 to 1."""
+    across, total, speed = 0.0, 1e-9, max(math.hypot(x, z), 1e-9)
+    for k in range(count):
+        v = persons[nearest[k]].velocity
+        across += abs(v[0] * z - v[1] * x) / speed
+        total += math.hypot(v[0], v[1])
+    return across / total
 
 
 @compiled

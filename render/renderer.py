@@ -19,6 +19,7 @@ from render.errors import device_memory_errors
 from render.frame import Frame, Image, LightLayers
 from render.passes.pass_images import PassImages
 from render.shot import Shot
+from render.sky_specks import without_specks
 
 if TYPE_CHECKING:
     from render.mitsuba_scene import MitsubaScene
@@ -158,6 +159,8 @@ class Renderer:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):
             layers = accumulator.layers()
+            if film.denoise != "off" and film.samples <= FEW_SAMPLES:
+                layers = without_specks(layers)
             if airborne:
                 airborne.lay_over(layers)
             return layers, exposure.images() if exposure else PassImages()

@@ -1,4 +1,4 @@
-"""Dancer: a simulated torso on legs that stand still, what it dances and what moves it."""
+"""Dancer: a simulated torso on planted feet, what it dances and what moves it."""
 
 from __future__ import annotations
 
@@ -130,7 +130,8 @@ class DanceSettings(ConfigModel):
         "goes into it or that it goes into.",
     )
     sway_deg: Annotated[Number, Field(ge=0, le=15)] = Field(
-        0.0, description="How far its waist sways to and fro with the beat [degrees]."
+        0.0,
+        description="How far its waist sways to and fro with the beat [degrees]; hips too.",
     )
     gaze: bool = Field(True, description="Whether its head turns to where its hand goes.")
     combine: Literal["sum", "winner"] = Field(

@@ -69,6 +69,9 @@ class Paint(ConfigModel):
     size: Extent | None = Field(
         None, description="Distance of spots, patches and stripes, in the body's radius."
     )
+    hair: Annotated[Number, Field(ge=0, le=10)] = Field(
+        1.0, description="Length of the coat there, in that around it."
+    )
 
 
 class Skin(ConfigModel):

@@ -37,6 +37,12 @@ PLUME_RAYS = 4
 """Rays through each pixel of a frame, at least, where there are flames or smoke."""
 PUFF_RAYS = 2
 """The same where there is dust, which is fainter."""
+LEAST_DIMMING = 1.0 / 1024.0
+"""Share of light that a puff takes at least where it is shown: a quarter of a step of 8 bits."""
+FAR = 1e6
+"""Distance where there is no surface [m]."""
+NOTHING = np.array([1.0, 0.0, 0.0, 0.0], np.float32)
+"""What a ray meets in clear air: the share of light that passes, and the light added."""
 MAX_FLAMES = 4
 """Fires that light smoke."""
 
@@ -56,6 +62,12 @@ class Contents:
     plumes: tuple[PlumeVolume, ...]
     puffs: Puffs | None
     sparks: Sparks | None
+
+    @property
+    def lone_puffs(self) -> Puffs | None:
+        """The puffs if there is nothing else, or None."""
+        others = self.falling is not None or self.plumes or self.sparks is not None
+        return None if others else self.puffs
 
 
 class AirbornePass:
@@ -101,8 +113,15 @@ class AirbornePass:
         found = []
         for pixels in self._chunks:
             ray = camera_ray(sensor, pixels, self._size, strata.step(0))
+            lanes = dr.arange(mi.UInt32, dr.width(pixels))
+            if contents.lone_puffs is not None:
+                lanes = _dusty(contents.lone_puffs, ray)
+                if dr.width(lanes) == 0:
+                    found.append(np.tile(NOTHING, (dr.width(pixels), 1)))
+                    continue
+                ray = dr.gather(mi.Ray3f, ray, lanes)
             hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
-            distance = dr.select(hit.is_valid(), hit.t, 1e6)
+            distance = dr.select(hit.is_valid(), hit.t, FAR)
             passed, light = mi.Float(1.0), mi.Color3f(0.0)
             if contents.falling is not None:
                 passed, light = self._through_rain(contents.falling, ray, hit, distance, angle)
@@ -120,9 +139,9 @@ class AirbornePass:
             if contents.sparks is not None:
                 dr.eval(ray, distance, passed, light)
                 light += contents.sparks.seen(pixels, ray, distance, angle)
-            values = dr.empty(mi.Float, 4 * dr.width(pixels))
+            values = mi.Float(np.tile(NOTHING, dr.width(pixels)))
             for channel, value in enumerate((passed, *light)):
-                dr.scatter(values, value, 4 * dr.arange(mi.UInt32, dr.width(pixels)) + channel)
+                dr.scatter(values, value, 4 * lanes + channel)
             found.append(np.array(values, np.float32).reshape(-1, 4))
         return np.concatenate(found)
 
@@ -145,6 +164,16 @@ class AirbornePass:
         away = dr.norm(plume.middle() - ray.o)
         clear = self._air.transmittance(ray.o, ray.d, away)
         return light * clear + self._air.scattered(ray.d) * ((1.0 - clear) * (1.0 - share))
+
+
+def _dusty(puffs: Puffs, ray: Any) -> Any:
+    """Return the numbers of rays that puffs dim where no surface is before them.
+
+    Around a ragged puff most rays pass it, and need not look for a surface.
+    """
+    dr.eval(ray)
+    share, _ = puffs.seen(ray, dr.full(mi.Float, FAR, dr.width(ray.d)))
+    return mi.UInt32(dr.compress(share < 1.0 - LEAST_DIMMING))
 
 
 def airborne_area(
@@ -235,8 +264,9 @@ class AirborneExposure:
         seen[:, 0] = 1.0
         seen[self._pixels - np.uint32(top * width)] = self._sum / np.float32(self._count)
         passed, added = np.split(seen.reshape(bottom - top, width, 4), [1], axis=-1)
-        for layer in (layers.direct, layers.albedo, layers.air):
-            layer[top:bottom] *= passed
+        for layer in (layers.direct, layers.albedo, layers.air, layers.open_light):
+            if layer is not None:
+                layer[top:bottom] *= passed
         layers.air[top:bottom] += added
         if layers.indirect.shape != layers.direct.shape:
             # Light at half the size is dimmed where it is enlarged again: with its albedo.

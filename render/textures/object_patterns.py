@@ -171,8 +171,9 @@ def weave(rng: np.random.Generator) -> Drawn:
     over = (np.floor(x) + np.floor(y)) % 2 == 0
     warp, weft = np.abs(np.sin(np.pi * x)), np.abs(np.sin(np.pi * y))
     height = np.where(over, warp * (0.6 + 0.4 * weft), weft * (0.6 + 0.4 * warp))
+    # Thicker threads here and there, but no clouds: cloth with these looks felted from afar.
     slub = noise(rng, 0.9, first=10, stretch=6.0) + noise(rng, 0.9, first=10, stretch=6.0).T
-    shade = 0.5 + 0.7 * height + 0.06 * slub + 0.05 * noise(rng, 1.6, first=4)
+    shade = 0.5 + 0.7 * height + 0.035 * slub
     return shade.clip(0.2, 1.6), 0.1 * slub.clip(-3, 3), 0.0012 * height, 0.22
 
 

@@ -13,6 +13,7 @@ from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
+from render.tracing.shadow_origin import shadow_offset
 from render.tracing.sky_relief import SkyRelief, sky_share
 from render.tracing.water import Water
 
@@ -28,8 +29,11 @@ def surface_light(
     *,
     held: Any = None,
     coherent: bool = False,
-) -> tuple[Any, Any, Any, Any]:
-    """Return what rays meet: direct light, albedo, light that it sends out itself, and distance.
+) -> tuple[Any, Any, Any, Any, Any]:
+    """Return what rays meet.
+
+    That is direct light, what it would be without shadows, albedo, light that surfaces send out
+    themselves, and distance.
 
     Args:
         scene: of Mitsuba, or a `ScenePair`.
@@ -43,10 +47,10 @@ def surface_light(
         coherent: whether neighbouring rays are close to each other.
     """
     if held is None:
-        si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=coherent)
+        hit = scene.ray_intersect_preliminary(ray, coherent=coherent)
     else:
         ray, hit = scene.first_hit(ray, held, coherent)
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.All)
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.All)
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     shining *= dimmed(shade, emitter, ray.o)
@@ -54,25 +58,27 @@ def surface_light(
     arriving *= dimmed(shade, sample.emitter, si.p)
 
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
-        return *eval_pdf_albedo(bsdf, si, wo), mi.Float(getattr(bsdf, "shadow_lift", 0.0))
+        lift = mi.Float(getattr(bsdf, "shadow_lift", 0.0))
+        return *eval_pdf_albedo(bsdf, si, wo), lift, mi.Bool(not hasattr(bsdf, "translucency"))
 
     found = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
-    value, bsdf_pdf, albedo, normal, lift = found
+    value, bsdf_pdf, albedo, normal, lift, is_solid = found
     albedo = (albedo + ALBEDO_BIAS) * sky_share(relief, si, normal)
     albedo = dr.select(si.is_valid(), albedo, 0.0)
     if water is not None:
         wet = water.wetness(si.p, si.n)
         albedo *= wet
         arriving *= wet * water.reaching(si.p, sample)
-    light = mi.Color3f(0.0)
+    light, open_light = mi.Color3f(0.0), mi.Color3f(0.0)
     if has_lamps:
         # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
         lift = dr.select(dr.dot(si.sh_frame.n, sample.d) < 0.0, -lift, lift)
-        si.p += lift * si.sh_frame.n
-        light += unoccluded(
+        offset = shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
+        si.p += lift * si.sh_frame.n + offset
+        light, open_light = unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )
-    return light, albedo, shining, dr.select(si.is_valid(), si.t, dr.inf)
+    return light, open_light, albedo, shining, dr.select(si.is_valid(), si.t, dr.inf)
 
 
 def unoccluded(
@@ -84,13 +90,17 @@ def unoccluded(
     active: Any,
     *,
     coherent: bool = False,
-) -> Any:
-    """Return the light of an emitter sample where nothing occludes it, with its MIS weight."""
+) -> tuple[Any, Any]:
+    """Return the light of an emitter sample where nothing occludes it, and anywhere.
+
+    Both have their MIS weight.
+    """
     mis = dr.select(sample.delta, 1.0, sample.pdf / (sample.pdf + bsdf_pdf))
     light = finite(light * mis)
     active = active & (sample.pdf > 0.0) & (dr.max(light) > 0.0)
     occluded = scene.ray_test(si.spawn_ray_to(sample.p), coherent, active)
-    return dr.select(active & ~occluded, light, 0.0)
+    light = dr.select(active, light, 0.0)
+    return dr.select(occluded, 0.0, light), light
 
 
 def passed_air(air: Air, ray: Any, distance: Any) -> Any:

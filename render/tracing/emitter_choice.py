@@ -66,6 +66,15 @@ def emitter_sample(scene: Any, si: Any, u: Any, choice: Any, active: Any = True)
     return kept, light * (total / (count * own))
 
 
+def has_one_lamp(scene: Any) -> bool:
+    """Return whether all samples of emitters go to the same one.
+
+    Args:
+        scene: of Mitsuba, or a `ScenePair`.
+    """
+    return sum(lamp.sampling_weight() > 0.0 for lamp in emitters_of(scene).emitters()) == 1
+
+
 def _candidate(u: Any, i: int, count: int) -> Any:
     """Return the numbers of the `i`-th candidate, one in each part of the emitters."""
     return mi.Point2f((u.x + i) / count, u.y)

@@ -95,12 +95,13 @@ def sample_2d(pixel: Any, strata: StepStrata, i: int) -> Any:
     return mi.Point2f((mi.Float(column) + x / rows) / columns, (mi.Float(row) + y / columns) / rows)
 
 
-def sample_1d(pixel: Any, strata: StepStrata) -> Any:
-    """Return the single number of a pixel, in another stratum in each pass."""
+def sample_1d(pixel: Any, strata: StepStrata, i: int = 0) -> Any:
+    """Return the `i`-th single number of a pixel, in another stratum in each pass."""
     count = strata.grid[0] * strata.grid[1]
     k: Any = strata.k
-    place = mi.permute_kensler(k, count, _hash(pixel, strata.base)[0])
-    return (mi.Float(place) + _uniform(pixel, strata.key + 2)[0]) / count
+    shuffle = _hash(pixel, strata.base + i * 0x3C6EF372)[0]
+    place = mi.permute_kensler(k, count, shuffle)
+    return (mi.Float(place) + _uniform(pixel, strata.key + 2 + i)[0]) / count
 
 
 def _uniform(pixel: Any, key: Any) -> tuple[Any, Any]:

@@ -52,13 +52,14 @@ def add_water(
         pixels: of the rays.
         ray: from the camera.
         has_lamps: whether surfaces are lit at all.
-        sums: of light, albedo and air, with what lies before the water.
+        sums: of light, albedo and air, with what lies before the water; of light without shadows
+            if it is asked for.
         strata: of the step.
     """
     t = water.crossing(ray)
     face = water.interface(ray, t)
     passed = _before(air, water, ray, t)
-    parts = [mi.Color3f(0.0) for _ in range(3)]
+    parts = [mi.Color3f(0.0) for _ in sums]
     # What is refracted first: it tells how deep the water is, and so where foam lies.
     ways = (
         (1.0 - face.reflectance, face.refracted, face.is_above, BSDF_PAIR),
@@ -68,7 +69,7 @@ def add_water(
     for share, direction, is_under, pair in ways:
         way = mi.Ray3f(face.p + _CLEARANCE * direction, direction)
         u = sample_2d(pixels, strata, pair), sample_1d(pixels, strata)
-        light, albedo, shining, distance = surface_light(
+        light, open_light, albedo, shining, distance = surface_light(
             scene, shade, water, relief, way, u, has_lamps
         )
         if pair == BSDF_PAIR:
@@ -85,7 +86,8 @@ def add_water(
         left = dr.select(is_under, water.transmittance(distance), left)
         added = dr.select(is_under, water.scattered(way.o, direction, distance), added)
         shining = shining * left + added
-        for i, value in enumerate((light * left, albedo * left, shining)):
+        values = light * left, albedo * left, shining, open_light * left
+        for i, value in enumerate(values[: len(parts)]):
             parts[i] += share * passed * finite(value)
     parts[2] += foamy * water.foam
     parts[2] += passed * _sun_glitter(scene, shade, water, face, ray, sample_2d(pixels, strata, 0))

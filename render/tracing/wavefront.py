@@ -39,7 +39,7 @@ from render.surfaces.bsdf_plugins import eval_pdf_sample_albedo
 from render.tracing.camera_rays import CameraView
 from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
-from render.tracing.emitter_choice import emitter_sample
+from render.tracing.emitter_choice import emitter_sample, has_one_lamp
 from render.tracing.haze import Air
 from render.tracing.scene_pair import ScenePair, emitters_of
 from render.tracing.sky_relief import SkyRelief, sky_share
@@ -58,6 +58,9 @@ from render.tracing.water_light import add_water, beyond_water
 
 MAX_RECORDINGS = 8
 """Recordings that are kept of one stage."""
+
+CERTAIN_THROUGHPUT, LEAST_CHANCE = 0.2, 0.3
+"""Throughput from which on a path of a preview goes on for certain, and its least chance below."""
 
 
 @dataclass
@@ -103,6 +106,8 @@ class Wavefront(Tracer):
     Attributes:
         shade: of clouds on the key light, None without any; it may change with the scene.
         direct_samples: for each path.
+        keeps_open_light: whether direct light without shadows is summed up, too: of a preview
+            with one lamp, where it has no noise.
         direct: pixels of direct light.
         indirect: pixels of indirect light.
     """
@@ -127,6 +132,8 @@ class Wavefront(Tracer):
         self.indirect = PixelLanes((size[0] // 2, size[1] // 2)) if half else self.direct
         sky = scene.environment()
         self._samples_sky = sky is not None and sky.sampling_weight() > 0.0
+        self.keeps_open_light = half and has_one_lamp(scene)
+        self._plays_roulette = half
         self._total = 0
         # Each scene has recordings of its own, which are freed with it.
         self._add_direct = _recorded(_add_direct)
@@ -192,19 +199,19 @@ class Wavefront(Tracer):
         initial = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
         ray, held = view.rays(pixels, self.indirect.size, strata, self._has_still)
         around = self._scene, self._air, self._water
-        paths = self._start_paths(*around, pixels, ray, held, initial, strata.step(0))
+        paths, goes_on = self._start_paths(*around, pixels, ray, held, initial, strata.step(0))
         for step in range(1, self._depth):
-            live = mi.UInt32(dr.compress(paths.hit.is_valid()))
+            live = mi.UInt32(dr.compress(goes_on))
             if dr.width(live) == 0:
                 return sums
             paths = dr.gather(Paths, paths, live)
             is_first = dr.opaque(mi.Bool, step == 1)
-            paths, *added = self._bounce(
+            paths, goes_on, *added = self._bounce(
                 *(self._scene, self.shade, self._water, self._relief, paths, sums),
-                *(strata.step(step), is_first, self._samples_sky),
+                *(strata.step(step), is_first, self._samples_sky, self._plays_roulette),
             )
             sums = added[0], added[1]
-        shining = mi.UInt32(dr.compress(self._hits_emitter(paths)))
+        shining = mi.UInt32(dr.compress(self._hits_emitter(paths, goes_on)))
         if dr.width(shining):
             paths = dr.gather(Paths, paths, shining)
             sums = self._add_emission(self._scene, self.shade, paths, sums[0]), sums[1]
@@ -216,7 +223,8 @@ class _Accumulator(Accumulator):
 
     def __init__(self, tracer: Wavefront) -> None:
         self._tracer = tracer
-        self._direct, self._indirect = tracer.direct.zero_sums(3), tracer.indirect.zero_sums(2)
+        self._direct = tracer.direct.zero_sums(4 if tracer.keeps_open_light else 3)
+        self._indirect = tracer.indirect.zero_sums(2)
         self._passes = 0
 
     def add_passes(self, view: CameraView, seed: int, passes: range, total: int) -> None:
@@ -239,9 +247,9 @@ class _Accumulator(Accumulator):
         """Return the mean of all passes."""
         tracer = self._tracer
         count = tracer.direct_samples * self._passes
-        direct, albedo, air = tracer.direct.means(self._direct, count)
+        direct, albedo, air, *open_light = tracer.direct.means(self._direct, count)
         indirect, indirect_albedo = tracer.indirect.means(self._indirect, self._passes)
-        return LightLayers(direct, albedo, indirect, indirect_albedo, air)
+        return LightLayers(direct, albedo, indirect, indirect_albedo, air, *open_light)
 
 
 def _recorded(stage: Callable[..., Any]) -> Any:
@@ -271,7 +279,7 @@ def _add_direct(
         The sums, and whether rays meet water first; then they have what lies before it alone.
     """
     u = sample_2d(pixels, strata, EMITTER_PAIR), sample_1d(pixels, strata)
-    light, albedo, shining, distance = surface_light(
+    light, open_light, albedo, shining, distance = surface_light(
         scene, shade, water, relief, ray, u, has_lamps, held=held, coherent=True
     )
     meets = mi.Bool(False)
@@ -283,14 +291,17 @@ def _add_direct(
         passed = dr.select(is_below, water.transmittance(distance), mi.Color3f(1.0))
         passed = dr.select(meets, 0.0, passed)
         light, albedo, shining = light * passed, albedo * passed, shining * passed
+        open_light *= passed
         shining += dr.select(is_below, water.scattered(ray.o, ray.d, distance), 0.0)
         # There is no haze under water.
         distance = dr.select(is_below, dr.inf, distance)
     if air is not None:
         passed = passed_air(air, ray, distance)
-        light, albedo = light * passed, albedo * passed
+        light, albedo, open_light = light * passed, albedo * passed, open_light * passed
         shining = shining * passed + air.scattered(ray.d) * (1.0 - passed)
-    return sums[0] + light, sums[1] + albedo, sums[2] + shining, meets
+    added = light, albedo, shining, open_light
+    # Light without shadows is not always asked for.
+    return *(total + value for total, value in zip(sums, added, strict=False)), meets
 
 
 def _start_paths(
@@ -302,7 +313,7 @@ def _start_paths(
     held: Any,
     initial: tuple[Any, Any],
     strata: StepStrata,
-) -> Paths:
+) -> tuple[Paths, Any]:
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
     if held is None:
         hit = scene.ray_intersect_preliminary(ray, coherent=True)
@@ -314,7 +325,7 @@ def _start_paths(
         weight = weight * passed
     elif air is not None:
         weight = weight * passed_air(air, ray, dr.select(hit.is_valid(), hit.t, dr.inf))
-    return Paths(lanes, pixels, ray.o, ray.d, hit, weight, pdf)
+    return Paths(lanes, pixels, ray.o, ray.d, hit, weight, pdf), hit.is_valid()
 
 
 def _bounce(
@@ -327,10 +338,17 @@ def _bounce(
     strata: StepStrata,
     is_first: Any,
     samples_sky: bool,
-) -> tuple[Paths, Any, Any]:
-    """Light the surfaces at the ends of the paths and extend the paths; return them and the sums.
+    plays_roulette: bool,
+) -> tuple[Paths, Any, Any, Any]:
+    """Light the surfaces at the ends of the paths and extend the paths.
+
+    Returns the paths, whether they meet a surface and go on from there, and the sums.
 
     Direct light on the first surface has samples of its own and is left out here.
+
+    With roulette, some paths of little throughput end, and the others carry the more. Those of the
+    first surface end only where they meet another: there they cost most, and the sky, which most of
+    them meet, gives most of the light.
     """
     si = paths.interaction()
     choice = sample_1d(paths.pixel, strata)
@@ -351,31 +369,39 @@ def _bounce(
         wet = water.wetness(si.p, si.n)
         albedo, value, share = albedo * wet, value * wet, share * wet
         arriving = arriving * water.reaching(si.p, sample)
-    light = unoccluded(scene, si, sample, bsdf_pdf, paths.weight * value * arriving, ~is_first)
+    arriving *= paths.weight * value
+    light, _ = unoccluded(scene, si, sample, bsdf_pdf, arriving, ~is_first)
     light += dr.select(is_first, 0.0, finite(paths.weight * _emission(scene, shade, si, paths)))
     weight = finite(paths.weight * share)
     is_delta = mi.has_flag(scattered.sampled_type, mi.BSDFFlags.Delta)
     ray = si.spawn_ray(si.to_world(scattered.wo))
+    goes_on, stays = dr.max(weight) > 0.0, mi.Bool(True)
+    chance: Any = mi.Float(1.0)
+    if plays_roulette:
+        chance = dr.clip(dr.max(weight) / CERTAIN_THROUGHPUT, LEAST_CHANCE, 1.0)
+        stays = sample_1d(paths.pixel, strata, 1) < chance
+    goes_on &= is_first | stays
     extended = Paths(
         paths.lane,
         paths.pixel,
         ray.o,
         ray.d,
-        scene.ray_intersect_preliminary(mi.Ray3f(ray.o, ray.d)),
-        mi.Color3f(weight),
+        scene.ray_intersect_preliminary(mi.Ray3f(ray.o, ray.d), active=goes_on),
+        dr.select(goes_on, weight / dr.select(is_first, 1.0, chance), 0.0),
         mi.Float(dr.select(is_delta, 0.0, scattered.pdf)),
     )
     if water is not None:
         extended.weight *= water.along(ray.o, ray.d, extended.hit.t)
-    # Paths without throughput end here.
-    extended.hit.t = dr.select(dr.max(weight) > 0.0, extended.hit.t, dr.inf)
     light += dr.select(
         extended.hit.is_valid(), 0.0, extended.weight * _sky(scene, extended, si, samples_sky)
     )
+    extended.weight = dr.select(is_first, extended.weight / chance, extended.weight)
+    goes_on &= stays & extended.hit.is_valid()
     # The first weight is what the haze lets through.
     first_albedo = (albedo + ALBEDO_BIAS) * sky_share(relief, si, normal) * paths.weight
     first_albedo = dr.select(is_first, first_albedo, 0.0)
-    return extended, _add(sums[0], paths, finite(light)), _add(sums[1], paths, first_albedo)
+    added = _add(sums[0], paths, finite(light)), _add(sums[1], paths, first_albedo)
+    return extended, goes_on, *added
 
 
 def _sky(scene: Any, paths: Paths, origin: Any, is_sampled: bool) -> Any:
@@ -398,8 +424,8 @@ def _bsdf_mis(paths: Paths, emitter_pdf: Any) -> Any:
     return finite(dr.select(paths.pdf > 0.0, paths.pdf / (paths.pdf + emitter_pdf), 1.0))
 
 
-def _hits_emitter(paths: Paths) -> Any:
-    return paths.hit.is_valid() & paths.hit.shape.is_emitter()
+def _hits_emitter(paths: Paths, goes_on: Any) -> Any:
+    return goes_on & paths.hit.shape.is_emitter()
 
 
 def _add_emission(scene: Any, shade: CloudShade | None, paths: Paths, light: Any) -> Any:

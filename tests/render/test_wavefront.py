@@ -167,6 +167,26 @@ def test_passes_of_a_frame_replay_one_recording(renderer: Renderer, make_shot: M
         assert set(counts.values()) == {1}
 
 
+@pytest.mark.slow
+def test_roulette_loses_no_light(renderer: Renderer, make_shot: Make) -> None:
+    from render.mitsuba_scene import MitsubaScene
+    from render.tracing.wavefront import Wavefront
+
+    film = Film(size=(64, 48), depth=5, soft_light="half", denoise="off")
+    found = []
+    for depth in (5, 2):
+        # The full tracer has no roulette, and its paths of two segments none that could end.
+        shot = make_shot(film=film.model_copy(update={"depth": depth}), look="clay")
+        for soft_light in ("half", "full"):
+            size = film.model_copy(update={"depth": depth, "soft_light": soft_light})
+            scene = MitsubaScene(replace(shot, film=size))
+            assert isinstance(scene._tracer, Wavefront)
+            found.append(scene.trace(1, range(256), 256).indirect.mean(dtype=float))
+    half, full, half_sky, full_sky = found
+    assert half - half_sky == pytest.approx(full - full_sky, rel=0.02)
+    assert half == pytest.approx(full, rel=0.004)
+
+
 def test_passes_may_be_added_in_parts(renderer: Renderer, make_shot: Make) -> None:
     from render.mitsuba_scene import MitsubaScene
 
@@ -196,10 +216,13 @@ def test_stratification_reduces_the_noise(renderer: Renderer, make_shot: Make) -
     from render.mitsuba_scene import MitsubaScene
 
     scene = MitsubaScene(replace(make_shot(), film=Film(size=(64, 48), depth=2, denoise="off")))
-    spread = [scene.trace(seed, range(16), 16).light for seed in range(8)]
+    # Few passes go through the same places of all pixels, with any seed; these have their own.
+    count = 25
+    spread = [scene.trace(seed, range(count), count).light for seed in range(8)]
+    others = [[1000 + count * seed + k for k in range(count)] for seed in range(8)]
     rng = [
-        np.mean([scene.trace(1000 + 16 * seed + k, range(1), 1).light for k in range(16)], axis=0)
-        for seed in range(8)
+        np.mean([scene.trace(seed, range(1), count).light for seed in seeds], axis=0)
+        for seeds in others
     ]
     assert np.std(spread, axis=0).mean() < 0.7 * np.std(rng, axis=0).mean()
 

@@ -67,6 +67,24 @@ BLEACHED = (0.0, 0.0, 0.012)
 TINT, VANE_TINT = 0.10, 0.28
 """Deviation of the brightness of single hairs and feathers."""
 
+LEAST_DENSE = 0.8
+"""Density of the strands where hair is long, in the mean: fewer would show the skin."""
+
+FEWEST_WIDTHS, FINE_WIDTHS = 3.0, 12.0
+"""Length of hair in its least width below which single strands are not told apart, and from which
+on they are: a coat of strands as long as a few pixels would look like a carpet."""
+
+LEAST_RELIEF = 0.2
+"""Share of the shades of a strand that is left where it is not told apart."""
+
+FLATTENED, WIDENED = 0.8, 0.7
+"""How much flatter such strands lie, and how much wider they are: shade between them, and the skin
+below, would be dots as wide as a pixel."""
+
+TUFT, TUFT_TINT, TUFT_ASTRAY = 3.5, 0.07, 0.20
+"""Size of tufts in the length of the hair there, deviation of their brightness, and of their lay to
+the side."""
+
 RIBBON = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 4]])
 """Faces of a ribbon: two vertices at its root, two in its middle, one at its tip."""
 
@@ -90,6 +108,7 @@ class Pelt:
         clumping: (N,) share of the way to the middle of the clump's tips.
         width: least width of a strand [m].
         vanes: whether they are feathers.
+        relief: share of the roundness of a strand that shows, 0 to 1.
         colors: (N, M, 3) linear.
         faces: (F, 3) of all strands.
     """
@@ -105,6 +124,7 @@ class Pelt:
     clumping: Array
     width: float
     vanes: bool
+    relief: float
     colors: NDArray[np.float32]
     faces: NDArray[np.uint32]
 
@@ -131,6 +151,8 @@ class Pelt:
         normals = vertex_normals(skin, faces).astype(float)
         root, lie, n = (self._interpolated(values) for values in (vertices, hair, normals))
         n = normalized(n)
+        flatter = 0.0 if self.vanes else FLATTENED * (1.0 - self.relief) ** 2
+        lie -= flatter * (lie * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(lie, axis=-1, keepdims=True)
         side = normalized(cross(lie, n))
         way = lie / np.maximum(length, 1e-9) + self.astray[:, :1] * side + self.astray[:, 1:] * n
@@ -143,7 +165,8 @@ class Pelt:
             placed, bent = _vanes(root, tip, n, length)
         else:
             width = np.maximum(self.width, PIXELS * pixel * away)
-            placed, bent = _ribbons(root, tip, n, length, eye, width)
+            width *= 1.0 + WIDENED * (1.0 - self.relief)
+            placed, bent = _ribbons(root, tip, n, length, eye, width, self.relief)
         if not alive:
             # Hidden by collapsing, because the topology of a build is constant.
             placed = np.zeros_like(placed)
@@ -167,14 +190,14 @@ class Pelt:
 
 
 def _ribbons(
-    root: Array, tip: Array, n: Array, length: Array, eye: Array, width: Array
+    root: Array, tip: Array, n: Array, length: Array, eye: Array, width: Array, relief: float
 ) -> tuple[Array, Array]:
     """Return vertices and normals (N, 5, 3) of ribbons that face the camera."""
     side = normalized(cross(tip - root, eye - root))
     half = 0.5 * width[:, None] * side
     middle = 0.5 * (root + tip) + BOW * length * n
     placed = np.stack([root - half, root + half, middle - 0.8 * half, middle + 0.8 * half, tip], 1)
-    turn = SIDE_TURN * side
+    turn = relief * SIDE_TURN * side
     return placed, np.stack([n - turn, n + turn, n - turn, n + turn, n], 1)
 
 
@@ -248,24 +271,34 @@ def grown_pelt(
     area, length = _areas_and_lengths(mesh)
     # Where hair is short more of it covers the same skin.
     mean = float((area * length).sum()) / float(area[length > 0.0].sum())
-    weight = area * np.where(length > 0.0, np.clip(mean / np.maximum(length, 1e-9), 0.5, 2.5), 0.0)
+    dense = np.clip(mean / np.maximum(length, 1e-9), LEAST_DENSE, 2.5)
+    weight = area * np.where(length > 0.0, dense, 0.0)
     face = np.sort(draw.choice(len(area), count, p=weight / weight.sum()))
     u, v = np.sqrt(draw.random(count)), draw.random(count)
     shares = np.stack([1.0 - u, u * (1.0 - v), u * v], axis=-1)
     corners = mesh.faces[face].astype(np.int64)
     rest = (mesh.vertices[corners] * shares[..., None]).sum(axis=1)
-    # Tips draw together within cells of a jittered lattice.
-    step = CLUMP * mean
-    cell = np.floor(rest / step + draw.normal(0.0, 0.22, (count, 3))).astype(np.int64)
-    clumps = np.unique(cell, axis=0, return_inverse=True)[1].reshape(-1)
+    # Tips draw together within cells of a jittered lattice, wider where the hair is longer.
+    own = np.linalg.norm((mesh.hair[corners] * shares[..., None]).sum(axis=1), axis=-1)
+    scale = np.round(np.log2(np.clip(own / mean, 0.25, 8.0))).astype(np.int64)
+    step = CLUMP * mean * 2.0 ** scale[:, None]
+    clumps = _cells(rest / step, scale, draw)
+    tufts = _cells(rest / (TUFT / CLUMP * step), scale, draw)
+    each = draw.normal(size=(int(tufts.max()) + 1, 2)).clip(-2.0, 2.0)[tufts]
     astray = (VANE_SPREAD if vanes else SPREAD) * np.clip(draw.normal(size=(count, 2)), -2.0, 2.0)
     grown = draw.uniform(0.5 if vanes else 0.7, 1.2, count)
     clumping = CLUMPING * draw.uniform(0.1, 1.0, count) * (0.0 if vanes else 1.0)
-    tint = np.exp((VANE_TINT if vanes else TINT) * np.clip(draw.normal(size=count), -2.0, 2.0))
+    relief = 1.0 if vanes else _relief(mean / width)
+    tint = (VANE_TINT if vanes else TINT * relief) * np.clip(draw.normal(size=count), -2.0, 2.0)
+    if not vanes:
+        tint += TUFT_TINT * each[:, 0]
+        astray[:, 0] += TUFT_ASTRAY * each[:, 1]
+        astray[:, 1] *= relief
     places = list((0, 1, 1, 1, 2, 2, 2) if vanes else (0, 0, 1, 1, 2))
-    shades, bleached = (np.array(values)[places, None] for values in (SHADES, BLEACHED))
+    shades = np.mean(SHADES) + relief * (np.array(SHADES) - np.mean(SHADES))
     base = skin_colors(mesh, material, corners, shares)
-    colors = base[:, None] ** SCATTERED * tint[:, None, None] * shades + bleached
+    colors = base[:, None] ** SCATTERED * np.exp(tint)[:, None, None] * shades[places, None]
+    colors = colors + np.array(BLEACHED)[places, None]
     pattern = VANE if vanes else RIBBON
     faces = pattern + (int(pattern.max()) + 1) * np.arange(count)[:, None, None]
     return Pelt(
@@ -278,9 +311,29 @@ def grown_pelt(
         clumping,
         width,
         vanes,
+        relief,
         np.minimum(colors, 1.0).astype(np.float32),
         faces.reshape(-1, 3).astype(np.uint32),
     )
+
+
+def _cells(places: Array, scale: NDArray[np.int64], draw: np.random.Generator) -> NDArray[np.int64]:
+    """Return the number (N,) of the cell of a jittered lattice that holds each place (N, 3).
+
+    Args:
+        places: in the size of a cell.
+        scale: (N,) of the cells; those of different scales are different.
+        draw: of the jitter.
+    """
+    cell = np.floor(places + draw.normal(0.0, 0.22, places.shape)).astype(np.int64)
+    keys = np.concatenate([cell, scale[:, None]], axis=1)
+    return np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def _relief(slenderness: float) -> float:
+    """Return the share of the shades of a strand that shows, by its length in its width."""
+    share = (slenderness - FEWEST_WIDTHS) / (FINE_WIDTHS - FEWEST_WIDTHS)
+    return LEAST_RELIEF + (1.0 - LEAST_RELIEF) * float(np.clip(share, 0.0, 1.0))
 
 
 def skin_colors(

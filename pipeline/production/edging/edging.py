@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.edging import furniture, room, stonework
+from pipeline.production.edging import cords, furniture, room, stonework
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border, Height
 from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
@@ -305,7 +305,7 @@ def _railing(border: Border, out: float, level: float, *, by_the_sea: bool) -> N
     furniture.railing(border, level, "edging white painted metal")
     if not by_the_sea:
         return
-    furniture.festoon(border, level, 3.4)
+    cords.festoon(border, level, 3.4)
     border.palms(out + 2.6, 4.6)
     border.palms(out + 7.0, 3.6, 0.55)
     border.palms(out + 14.0, 4.4, 0.8)

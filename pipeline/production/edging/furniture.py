@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.production.edging.border import Border, turns
-from pipeline.production.edging.masonry import lantern
-from pipeline.production.scenery.expansion import Copies
-from pipeline.production.scenery.prototype import UP, Shape, add_tubes
+from pipeline.production.edging.border import Border
+from pipeline.production.scenery.prototype import UP
 from pipeline.simulation.spatial import Array
 
 LANTERN = 3.33
 """Height of the light of a lamp post [m]."""
-
-LANTERN_COLORS = ((0.80, 0.22, 0.08), (0.85, 0.52, 0.12), (0.82, 0.72, 0.50), (0.70, 0.12, 0.10))
-"""Linear colours of paper lanterns."""
 
 
 def rim(border: Border, material: str, level: float) -> None:
@@ -41,39 +36,6 @@ def railing(border: Border, level: float, material: str) -> None:
     for up, high, deep in ((0.96, 0.045, 0.11), (0.66, 0.05, 0.03), (0.36, 0.05, 0.03)):
         sizes = np.column_stack([spans, np.full(len(spans), high), np.full(len(spans), deep)])
         border.carpentry.add(material, base + up * UP, sizes, rows.heading)
-
-
-def festoon(border: Border, level: float, spacing: float) -> None:
-    """Add poles along a railing with cords between them, on which paper lanterns hang."""
-    rng = np.random.default_rng([border.seed, 457])
-    rows = border.rows(-0.12, spacing, 2.6, 0.2)
-    if not len(rows.places):
-        return
-    spans = border.spans(rows, spacing, -0.12)[:, None, None]
-    base = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
-    along = np.stack([np.cos(rows.heading), np.zeros(len(base)), -np.sin(rows.heading)], axis=-1)
-    t = np.linspace(-0.5, 0.5, 13)[:, None]
-    sag = np.concatenate([0.0 * t, 2.5 - 0.42 * (1.0 - 4.0 * t**2), 0.0 * t], axis=1)
-    cords = base[:, None] + spans * t * along[:, None] + sag
-    shape = Shape()
-    add_tubes(
-        *(shape, cords[:, :-1].reshape(-1, 3), cords[:, 1:].reshape(-1, 3)),
-        *(np.full(12 * len(base), 0.008), np.full(12 * len(base), 0.008)),
-        *(np.tile([0.05, 0.04, 0.03], (12 * len(base), 1)), 4),
-    )
-    feet = (cords[:, [0, -1]] * [1.0, 0.0, 1.0] + [0.0, level, 0.0]).reshape(-1, 3)
-    count = len(feet)
-    add_tubes(
-        *(shape, feet, feet + 2.58 * UP, np.full(count, 0.035), np.full(count, 0.025)),
-        *(np.tile([0.16, 0.11, 0.07], (count, 1)), 7),
-    )
-    one, here = np.ones((1, 3)), np.zeros((1, 3))
-    border.leaves.append(Copies(shape.prototype(), here, np.eye(3)[None], one, one))
-    for k in (2, 5, 8, 11):
-        points = cords[:, k] - [0.0, 0.12, 0.0]
-        tints = np.array(LANTERN_COLORS)[rng.integers(0, len(LANTERN_COLORS), len(points))]
-        size = rng.uniform(0.22, 0.3, (len(points), 1)) * [1.0, 0.85, 1.0]
-        border.leaves.append(Copies(lantern(), points, turns(rows.heading), size, tints))
 
 
 def planters(border: Border, out: float, spacing: float, material: str, level: float) -> None:

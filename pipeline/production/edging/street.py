@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.border import CLEAR, FOREGROUND, Border
+from pipeline.production.edging.cords import pennants
 from pipeline.production.edging.facade import WINDOWS, bays
 from pipeline.production.edging.house import MIXES, PLASTERS, House, tall
 from pipeline.production.edging.plot import Plot
@@ -26,6 +27,9 @@ DEEP = 8.0
 
 ROWS, YARD = 3, 8.5
 """Rows of houses one behind the other, and the depth of the yards between two rows [m]."""
+
+DECKED, TIED = 0.8, 3.75
+"""Share of houses of a town with pennants in the sun, and the height of these [m]."""
 
 PAVEMENT = 2.1
 """Depth of the pavement before a row of houses [m]."""
@@ -138,6 +142,10 @@ def _row(border: Border, out: float, number: int) -> None:
         house.build()
         if number == 0:
             dress(border, house, one)
+            if border.sun is not None and one.uniform() < DECKED:
+                aside = 0.5 * site.width - 0.2
+                start, end = house.at((-aside, TIED, 0.14)), house.at((aside, TIED, 0.14))
+                pennants(border, start, end, one)
             _pavement(house, float(ground.max()) - level)
         border.plots.append(site.plot(PAVEMENT + 0.3))
 

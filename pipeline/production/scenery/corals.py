@@ -19,10 +19,16 @@ from pipeline.production.scenery.stones import icosphere, rough, surface_normals
 from pipeline.simulation.spatial import Array
 
 STAGHORN: tuple[Color, Color] = ((0.62, 0.34, 0.20), (0.85, 0.74, 0.58))
-FAN: tuple[Color, Color] = ((0.50, 0.12, 0.30), (0.78, 0.30, 0.46))
+TABLE: tuple[Color, Color] = ((0.34, 0.24, 0.12), (0.82, 0.76, 0.50))
+FANS: tuple[tuple[Color, Color], ...] = (
+    ((0.50, 0.12, 0.30), (0.78, 0.30, 0.46)),
+    ((0.62, 0.40, 0.06), (0.90, 0.78, 0.24)),
+    ((0.66, 0.24, 0.06), (0.92, 0.56, 0.26)),
+)
 BRAIN: tuple[Color, Color] = ((0.30, 0.22, 0.08), (0.78, 0.66, 0.30))
 SPONGE: tuple[Color, Color] = ((0.50, 0.22, 0.40), (0.85, 0.60, 0.72))
-"""Linear colours of each kind: of its foot or furrows, and of its tips or ridges."""
+"""Linear colours of each kind: of its foot or furrows, and of its tips or ridges. Fans, whose
+shapes are alike, are of unlike ones."""
 
 HALVINGS = (4, 3, 2)
 """Of the sphere of a brain coral, by level."""
@@ -35,8 +41,8 @@ FURROWS = 17.0
 
 
 def coral(seed: int, level: int) -> Prototype:
-    """Return a coral about half a metre high: staghorn, fan, brain or tube sponge by the seed."""
-    make = (_staghorn, _fan, _brain, _sponge)[seed % 4]
+    """Return a coral about half a metre high, of a kind that the seed decides."""
+    make = (_staghorn, _brain, _fan, _table, _sponge)[seed % 5]
     return make(np.random.default_rng([seed, 97]), seed, level)
 
 
@@ -51,7 +57,19 @@ def _fan(rng: np.random.Generator, seed: int, level: int) -> Prototype:
     """Return a fan of twigs in one upright plane, which faces the current."""
     space = rng.uniform([-0.42, 0.08, -0.03], [0.42, 0.72, 0.03], (1500, 3))
     inside = (space[:, 0] / 0.42) ** 2 + ((space[:, 1] - 0.38) / 0.36) ** 2 < 1.0
-    return _branched(space[inside], rng, level, FAN, foot=0.045, step=0.024)
+    colors = FANS[seed // 5 % len(FANS)]
+    return _branched(space[inside], rng, level, colors, foot=0.045, step=0.024)
+
+
+def _table(rng: np.random.Generator, seed: int, level: int) -> Prototype:
+    """Return twigs that spread to a plate on a stalk."""
+    out, turn = 0.46 * np.sqrt(rng.uniform(0.0, 1.0, 1500)), rng.uniform(0.0, 2.0 * np.pi, 1500)
+    # The plate is a shallow bowl, not quite round.
+    out *= 1.0 + 0.16 * np.sin(2.0 * turn + seed) + 0.1 * np.sin(5.0 * turn)
+    up = 0.27 + 0.22 * out**2 + rng.uniform(-0.02, 0.02, 1500)
+    space = np.stack([out * np.cos(turn), up, out * np.sin(turn)], axis=-1)
+    stalk = np.stack([np.zeros(12), np.linspace(0.06, 0.27, 12), np.zeros(12)], axis=-1)
+    return _branched(np.vstack([space, stalk]), rng, level, TABLE, foot=0.05, step=0.026)
 
 
 def _branched(

@@ -24,6 +24,9 @@ STEM: tuple[Color, Color] = ((0.090, 0.130, 0.036), (0.235, 0.320, 0.105))
 STEM_WIDTHS = 0.005, 0.010, 0.018
 """Widths of stems by level of detail, so that heads far away still stand on something [m]."""
 
+TWIG_CROOK = 0.38
+"""Deviation by which a fallen twig turns from piece to piece [rad]."""
+
 
 @dataclass(frozen=True)
 class Flower:
@@ -323,20 +326,37 @@ def fallen_leaves(seed: int, level: int) -> Prototype:
 
 
 def twigs(seed: int, level: int) -> Prototype:
-    """Return fallen twigs that lie crosswise within 0.6 m."""
+    """Return fallen twigs within 0.3 m: crooked, forked, and down on the ground at their ends.
+
+    They are short, because a straight one would lie across the hollows of uneven ground.
+    """
     rng, shape = np.random.default_rng([seed, 59]), Shape()
-    n = (5, 4, 2)[level]
-    start = rng.normal(0, 0.16, (n, 3)) * [1, 0, 1] + [0, 0.012, 0]
-    way = rng.normal(size=(n, 3)) * [1, 0.07, 1]
-    middle = start + 0.2 * unit(way) * rng.uniform(0.5, 1.2, (n, 1))
-    bend = unit(way + 0.4 * rng.normal(size=(n, 3)) * [1, 0.2, 1])
-    end = middle + 0.2 * bend * rng.uniform(0.4, 1.1, (n, 1))
+    n, steps, sides = (4, 3, 2)[level], (4, 3, 2)[level], (4, 3, 3)[level]
     color = np.array([0.085, 0.062, 0.043]) * rng.uniform(0.7, 1.4, (n, 1))
-    r = 0.0035 * rng.uniform(0.5, 1.7, n)
-    sides = (5, 4, 3)[level]
-    add_tubes(shape, start, middle, r, 0.8 * r, color, sides)
-    add_tubes(shape, middle, end, 0.8 * r, 0.4 * r, color, sides)
+    r = 0.0035 * rng.uniform(0.5, 1.6, n)
+    length = 0.22 * rng.uniform(0.4, 1.0, n)
+    heading = rng.uniform(0.0, 2.0 * np.pi, n)
+    at = rng.normal(0, 0.09, (n, 3)) * [1, 0, 1] + 0.3 * r[:, None] * UP
+    arch = 0.10 * length * rng.uniform(0.0, 1.0, n)
+    fork = int(rng.integers(1, steps)), rng.choice([-1.0, 1.0], n) * rng.uniform(0.5, 0.9, n)
+    for k in range(steps):
+        thick = r * (1.0 - 0.7 * np.array([k, k + 1])[:, None] / steps)
+        heading = heading + TWIG_CROOK * rng.normal(size=n)
+        share = 4.0 * (k + 1) / steps * (1.0 - (k + 1) / steps)
+        end = at + (length / steps)[:, None] * _level(heading)
+        end[:, 1] = 0.3 * r + arch * share
+        add_tubes(shape, at, end, thick[0], thick[1], color, sides)
+        if k == fork[0] and level < 2:
+            tip = at + (0.4 * length)[:, None] * _level(heading + fork[1])
+            tip[:, 1] = 0.2 * r
+            add_tubes(shape, at, tip, 0.8 * thick[0], 0.3 * thick[0], color, sides)
+        at = end
     return shape.prototype()
+
+
+def _level(heading: Array) -> Array:
+    """Return the level unit vectors (N, 3) of headings (N,)."""
+    return np.stack([np.cos(heading), np.zeros_like(heading), np.sin(heading)], axis=-1)
 
 
 def moss_cushion(seed: int, level: int) -> Prototype:

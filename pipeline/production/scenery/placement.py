@@ -69,6 +69,7 @@ class Wanted:
         even: whether it has its density all over its patches, as an author wants it, whatever
             thrives there; on average, where it stands in tufts or clumps.
         where: on dry ground, at the edge of water, or below it.
+        cover: share of the ground that its patches take, None for its species' own.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Wanted:
     on_land: bool = True
     even: bool = False
     where: Literal["dry", "shore", "wet"] = "dry"
+    cover: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,7 +285,8 @@ class Placement:
 
     def _patches(self, species: Species, wanted: Wanted, x: Array, z: Array) -> Array:
         """Return the share (N,) of the full density that patches leave."""
-        if species.cover >= 1.0 or (wanted.where == "shore" and species.is_stone):
+        cover = species.cover if wanted.cover is None else wanted.cover
+        if cover >= 1.0 or (wanted.where == "shore" and species.is_stone):
             return np.ones_like(x)
         places = np.stack([x, z], axis=-1)
         seed = (
@@ -291,7 +294,7 @@ class Placement:
         ) & 0xFFFFFF
         value = fractal(places / species.patch, seed, 3)
         # The noise is about normal with a deviation of 0.45.
-        low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * species.cover)
+        low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * cover)
         return np.asarray(smoothstep(low - species.edge, low + species.edge, value))
 
     def _lies_level(

@@ -1,7 +1,7 @@
 """Puddles: rain that stands in the hollows of level ground.
 
-Where it stands depends on the place, the ground and a seed alone. The surface follows the ground a
-little above it, so that the relief of the ground breaks its edge, and shines as if it were level.
+Where it stands depends on the place, the ground and a seed alone. The surface follows the ground,
+whose relief it washes level, a little above it, and shines as if it were level.
 Drops raise rings in it, each for a moment that a hash of its place and its number decides.
 """
 
@@ -44,12 +44,16 @@ HOLLOW, HOLLOW_DEPTH = 0.7, 0.05
 LEVEL = 0.09, 0.2
 """Rises per metre from which less water stands, and from which none does."""
 
-RIM = -0.05, 0.1
+RIM = -0.05, 0.15
 """Depths in the noise between which the surface comes out of the ground."""
 
-SUNK, LIFTED, FLOOR_LIFTED = 0.028, 0.011, 0.004
-"""How far below the ground the surface ends, which is more than relief lowers it, and how far it
-stands above it and a floor [m]."""
+SUNK, LIFTED, FLOOR_LIFTED = 0.003, 0.003, 0.003
+"""How far below the ground the surface ends, and how far it stands above it and a floor [m]. Its
+edge must be less steep than what it mirrors is high, or it would mirror the ground below it."""
+
+WASHED = -0.16, -0.07
+"""Depths in the noise between which water washes the relief of the ground level, before the
+surface begins."""
 
 CRUMBS = 0.07, 0.09
 """Height of crumbs in the noise and their width [m]."""
@@ -134,6 +138,10 @@ class Puddles:
     def mud(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of mud in the ground about and below puddles."""
         return smoothstep(*MUD, self.depth(x, z))
+
+    def relief(self, x: Array, z: Array) -> Array:
+        """Return the share (N,) of the ground's relief that the water leaves."""
+        return 1.0 - smoothstep(*WASHED, self.depth(x, z))
 
     def dry(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of plants that the water leaves."""

@@ -125,5 +125,5 @@ def _of_presets(own: str, land: str, density: float) -> tuple[Wanted, ...]:
 def _asked(one: ScatteredSpecies) -> Wanted:
     usual = KINDS[one.species].density
     if one.density is None:
-        return Wanted(one.species, 1.0, one.size)
-    return Wanted(one.species, one.density / usual, one.size, even=True)
+        return Wanted(one.species, 1.0, one.size, cover=one.cover)
+    return Wanted(one.species, one.density / usual, one.size, even=True, cover=one.cover)

@@ -114,7 +114,7 @@ def _tree(
         sizes=(0.45, 1.25),
         levels=(8.0, 28.0, 75.0),
         near=95.0,
-        reach=700.0,
+        reach=400.0,
         steepest=0.8,
         upright=1.0,
         variants=4,
@@ -377,7 +377,7 @@ KINDS: dict[str, Species] = {
         patch=3.5,
         cover=0.3,
         family="rubble",
-        variants=8,
+        variants=15,
     ),
 }
 """All species by name."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pipeline.production.scenery.film_view import FilmView
+from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.surroundings.lattice_noise import smoothstep
 from pipeline.simulation.spatial import Array
@@ -53,7 +54,12 @@ NEAREST_TREADS = 4
 
 
 def with_relief(
-    mesh: Mesh, material: Material, view: FilmView, treads: Treads, detail: float
+    mesh: Mesh,
+    material: Material,
+    view: FilmView,
+    treads: Treads,
+    detail: float,
+    puddles: Puddles | None = None,
 ) -> Mesh:
     """Return the terrain with a relief near the cameras.
 
@@ -63,6 +69,7 @@ def with_relief(
         view: of the film.
         treads: of the performers, where the ground stays as it is.
         detail: 1 for frames 1280 pixels wide.
+        puddles: below which the ground is level, None without any.
     """
     if not (mesh.smooth and has_relief(material)):
         return mesh
@@ -87,7 +94,7 @@ def with_relief(
         for values in (mesh.vertices, normals, inner)
     )
     points[..., 1] += share * _heights(
-        points, up, material, (view, treads), (FADE[0] * reach, FADE[1] * reach), spacing
+        points, up, material, (view, treads, puddles), (FADE[0] * reach, FADE[1] * reach), spacing
     )
     kept = np.ones(len(mesh.faces), bool)
     kept[chosen] = False
@@ -113,12 +120,12 @@ def _heights(
     points: Array,
     normals: Array,
     material: Material,
-    film: tuple[FilmView, Treads],
+    film: tuple[FilmView, Treads, Puddles | None],
     fade: tuple[float, float],
     spacing: float,
 ) -> Array:
     """Return the heights (T, K) of the relief at points (T, K, 3) with normals (T, K, 3) [m]."""
-    view, treads = film
+    view, treads, puddles = film
     flat = points.reshape(-1, 3)
     places = flat[:, [0, 2]]
     far = view.distances(flat)
@@ -127,6 +134,8 @@ def _heights(
     height *= 1.0 - smoothstep(*fade, far)
     height *= smoothstep(*LEVEL, normals.reshape(-1, 3)[:, 1])
     height *= _untrodden(places, treads)
+    if puddles is not None:
+        height *= puddles.relief(*places.T)
     return np.asarray(height.reshape(points.shape[:2]))
 
 

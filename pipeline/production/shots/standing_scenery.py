@@ -141,7 +141,9 @@ class StandingScenery:
             base = replace(edging.floor, footprints=base.footprints)
             land = (*land, snowed_cover(edging.apron.mesh(self.around.material), weather))
         material = self.materials[self.take.terrain.material]
-        near = with_relief(base, material, self.view, treads, scenery_detail(width))
+        near = with_relief(
+            *(base, material, self.view, treads, scenery_detail(width)), self.puddles
+        )
         ground = (near, *land)
         if not self.scatter.wanted and (edging is None or not edging.placed):
             return ground, None, None

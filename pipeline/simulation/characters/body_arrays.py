@@ -95,6 +95,8 @@ LINK = np.dtype(
         ("is_arm", "?"),
         # Whether people who stand on its owner stand above it, and do not touch it.
         ("is_deck", "?"),
+        # Energy of a touch that hurts, relative to that of its owner.
+        ("toughness", "f8"),
         # The touched link, or NOBODY, TERRAIN, SOLID - k; and its owner, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),

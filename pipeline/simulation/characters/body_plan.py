@@ -32,6 +32,7 @@ class Link(NamedTuple):
         damping: of one end against the other [1/s].
         is_arm: whether it belongs to an arm.
         is_deck: whether people who stand on the thing stand above it, and do not touch it.
+        toughness: energy of a touch that hurts, relative to that of its character.
     """
 
     ends: tuple[int, int]
@@ -41,6 +42,7 @@ class Link(NamedTuple):
     damping: float = 0.0
     is_arm: bool = False
     is_deck: bool = False
+    toughness: float = 1.0
 
 
 class BodyPlan(NamedTuple):
@@ -129,7 +131,7 @@ def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
     links["ends"] = _renumbered(ends, node_starts, 2)
     limits = [_length_limits(plan, link) for plan, link in planned]
     links["length_limits"] = np.array(limits).reshape(-1, 2)
-    for name in ("radius", "damping", "is_arm", "is_deck"):
+    for name in ("radius", "damping", "is_arm", "is_deck", "toughness"):
         links[name] = [getattr(link, name) for _, link in planned]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
     links["touched"] = links["touched_owner"] = links["recent"] = NOBODY

@@ -99,6 +99,8 @@ locked, and touches of its leg would throw the other one off."""
 
 PAIN_ENERGY = 0.12  # of a touch that hurts, per mass of the person [J/kg]
 
+FOOT_TOUGHNESS = 1.5  # of a shin, which ends in the shoe that strikes what lies in its way
+
 LINK_NAMES = (*SEGMENTS, "skull")
 """Names of a person's first links."""
 
@@ -116,6 +118,7 @@ def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
             _girth(name) * proportions.height,
             damping=JOINT_DAMPING if name[-2:] in ("_l", "_r") else 0.0,
             is_arm=name.startswith(("upper_arm", "forearm")),
+            toughness=FOOT_TOUGHNESS if name.startswith("shin") else 1.0,
         )
         for name, ends in SEGMENTS.items()
     ]

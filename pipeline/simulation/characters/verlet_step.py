@@ -244,5 +244,6 @@ def _update_pain(links: Records, owners: Records, dt: float) -> None:
         owner = owners[c]
         owner.pain *= math.exp(-PAIN_DECAY * dt)
         for n in range(owner.links[0], owner.links[0] + owner.links[1]):
-            if links[n].energy > owner.pain_threshold:
-                owner.pain += links[n].energy / owner.pain_threshold - 1.0
+            borne = owner.pain_threshold * links[n].toughness
+            if links[n].energy > borne:
+                owner.pain += links[n].energy / borne - 1.0

@@ -33,7 +33,7 @@ SHIN_RADIUS = 0.028
 """Radius of a leg below the knee, per body height."""
 
 STATIC_LINK = "pelvis"
-"""Link of the frames without a link of their own: the legs do not move."""
+"""Link of the frames without a link of their own: in the dynamics the legs do not move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +110,13 @@ def _solids(appearance: DancerAppearance, torso: Torso, first: int) -> list[Obst
         ends = np.stack([rest[f"knee_{side}"], rest[f"foot_{side}"]])
         shin = Capsule(f"shin_{side}", ends, SHIN_RADIUS * h)
         rows.append((STATIC_LINK, torso.linkage.links[0].place, shin))
+    frames = frame_origins(person)
     around = directions(CAPSULE_CORNERS)
-    for name, place, solid in rows:
+    for link, origin, solid in rows:
+        # Legs are solids of the pelvis in the dynamics, and move by themselves.
+        is_leg = solid.name in FRAMES and link == STATIC_LINK and solid.name != link
+        name = solid.name if is_leg else link
+        place = frames[FRAMES.index(name)] if is_leg else origin
         corners = (solid.ends[:, None, :] + solid.radius * around).reshape(-1, 3) - place
         node, part = first + FRAMES.index(name), f"{appearance.name}.{solid.name}"
         is_bare = solid.name.startswith(("head", "neck", "forearm", "hand", "shin"))

@@ -119,6 +119,11 @@ class DancerMotion:
         """Time since the start [s]."""
         return self.count * self.control_time
 
+    @property
+    def is_posed(self) -> bool:
+        """Whether a pose or an order holds a hand."""
+        return any(self._is_posed)
+
     def advance(self) -> list[HandStrike]:
         """Advances by one world step; returns the strikes of the hands."""
         strikes = list[HandStrike]()

@@ -18,16 +18,19 @@ from pipeline.simulation.dancers.dancer_mesh import DancerAppearance, dancer_inv
 from pipeline.simulation.dancers.dancer_motion import TOUCH_TOLERANCE, DancerMotion
 from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.dancer_script import ScriptedDancer
+from pipeline.simulation.dancers.dancing_legs import DancingLegs, draw_style
 from pipeline.simulation.dancers.hand_contacts import HandStrike
 from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
+from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.face_tracker import FaceTracker
 from pipeline.simulation.people.guided_dance import BodyStrike, strike_contact
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
+from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Troupe, World
@@ -71,6 +74,13 @@ class DancerTroupe(Troupe):
         names = [member.name for member in self.members]
         self._faces = FaceTracker(names, world.seed, clock.row_time)
         self._links = frame_links()
+        # Drums stand where the hands of a torso that stands still strike them.
+        self._legs = [
+            None
+            if look.drums
+            else DancingLegs(look.proportions, draw_style(generator(world.seed, f"{name}/legs")))
+            for name, look in zip(names, self.looks, strict=True)
+        ]
         self._rows: list[tuple[Array, Array, Array]] = []
         self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
         self._arrived, self._outcomes = list[str](), list[Outcome]()
@@ -115,6 +125,13 @@ class DancerTroupe(Troupe):
             self._strikes += [(k, strike) for strike in dancer.dancing.advance()]
             if dancer.finish_bars():
                 self._arrived.append(self.members[k].name)
+            legs, dancing = self._legs[k], dancer.dancing
+            if legs is not None:
+                trunk = dancing.trunk
+                # A held hand keeps its place in the world.
+                sway = 0.0 if dancing.is_posed else trunk.sway
+                now = dancing.now
+                legs.advance(self.world.clock.dt, now - trunk.start, trunk.beat, sway)
             name = self.members[k].name
             self._outcomes += [Outcome(name, reach) for reach in dancer.finish_reaches()]
 
@@ -152,22 +169,33 @@ class DancerTroupe(Troupe):
     def _frames(self, k: int) -> tuple[Array, Array]:
         """Returns rotations (15, 3, 3) and positions (15, 3) of the body frames."""
         R, p = self.dancing[k].moving.poses()
-        places = p[self._links]
-        # Legs keep their rest pose.
+        turns, places = R[self._links], p[self._links]
         rest, fixed = self.looks[k].rest()[: len(self._links)], np.array(self._links) == 0
         places[fixed] = rest[fixed]
-        return R[self._links], places
+        legs = self._legs[k]
+        if legs is None:
+            return turns, places
+        R_carried, t = legs.carry()
+        turns = (R_carried[None, :, :, None] * turns[:, None, :, :]).sum(axis=2)
+        places = (places[:, None, :] * R_carried).sum(axis=2) + t
+        for name, (R_leg, place) in legs.legs().items():
+            turns[FRAMES.index(name)], places[FRAMES.index(name)] = R_leg, place
+        return turns, places
 
     def _contact(self, k: int, strike: HandStrike) -> Contact:
         look, dt = self.looks[k], self.world.clock.dt
         begin = self._step * dt
+        R_WB, p_WB, legs = self.R_WB[k], self.p_WB[k], self._legs[k]
+        if legs is not None:
+            R, t = legs.carry()
+            R_WB, p_WB = R_WB @ R, p_WB + R_WB @ t
         fraction = min(max((strike.time - begin) / dt, 0.0), math.nextafter(1.0, 0.0))
         contact = strike_contact(
             BodyStrike(
                 *(fraction, strike.hand, strike.other, strike.place, strike.normal, strike.speed)
             ),
             *(self.members[k].name, look.proportions, look.clothes, self._step),
-            (self.R_WB[k], self.p_WB[k]),
+            (R_WB, p_WB),
         )
         drum = look.drums.get(strike.other)
         if drum is None:

@@ -1,4 +1,4 @@
-"""Torso of a dancer: eight rigid links with twenty degrees of freedom on static legs.
+"""Torso of a dancer: eight rigid links with twenty degrees of freedom on a pelvis that stands.
 
 The frame is the frame of `Proportions.rest`: X forward, Y up, Z to the right, with the person at
 the origin. Angles follow anatomy: flexion raises an arm forward, abduction raises it sideways,

@@ -53,15 +53,15 @@ TORSO = (
     (0.520, -0.003, 0.073, 0.081, 0.112),
     (0.545, -0.003, 0.071, 0.077, 0.109),
     (0.570, -0.002, 0.068, 0.071, 0.102),
-    (0.605, 0.001, 0.063, 0.059, 0.090),
+    (0.605, 0.001, 0.064, 0.060, 0.091),
     (0.640, 0.002, 0.061, 0.054, 0.084),
-    (0.680, 0.002, 0.063, 0.055, 0.085),
-    (0.720, 0.003, 0.066, 0.058, 0.089),
-    (0.755, 0.002, 0.065, 0.060, 0.092),
-    (0.785, -0.002, 0.057, 0.056, 0.090),
-    (0.812, -0.006, 0.046, 0.048, 0.070),
-    (0.832, -0.009, 0.037, 0.039, 0.046),
-    (0.844, -0.010, 0.034, 0.036, 0.037),
+    (0.680, 0.002, 0.063, 0.056, 0.086),
+    (0.720, 0.003, 0.067, 0.060, 0.091),
+    (0.755, 0.002, 0.066, 0.062, 0.093),
+    (0.782, -0.002, 0.057, 0.057, 0.088),
+    (0.808, -0.006, 0.046, 0.048, 0.068),
+    (0.824, -0.009, 0.037, 0.040, 0.046),
+    (0.834, -0.010, 0.034, 0.037, 0.037),
 )
 """Outline of chest and waist in a shirt, from its hem to its collar; see `BodyMeasures.outline`."""
 
@@ -103,10 +103,10 @@ def shirt_field(build: BodyMeasures) -> Field:
     """Return the solid of a trunk in a shirt, from below its hem to its collar."""
     girth = build.girth
     torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
-    neck = np.array([-0.008 * girth, build.level(0.832), 0.02 * girth])
-    tip = np.array([0.0, build.level(0.808), build.shoulders - 0.006 * girth])
+    neck = np.array([-0.010 * girth, build.level(0.825), 0.018 * girth])
+    tip = np.array([0.0, build.level(0.802), build.shoulders - 0.010 * girth])
     right, left = (
-        round_cone(neck * m, tip * m, 0.030 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
+        round_cone(neck * m, tip * m, 0.026 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
     )
     return smooth_union([torso, right, left], 0.035 * girth)
 
@@ -123,16 +123,17 @@ def torso_breadths(build: BodyMeasures) -> Array:
 
 
 ARM = (
-    (0.470, 0.003, 0.0160, 0.0160, 0.0110),
-    (0.486, 0.002, 0.0150, 0.0150, 0.0118),
-    (0.530, 0.002, 0.0188, 0.0178, 0.0165),
-    (0.588, 0.003, 0.0240, 0.0218, 0.0232),
-    (0.612, 0.001, 0.0228, 0.0224, 0.0224),
-    (0.632, -0.001, 0.0205, 0.0236, 0.0208),
-    (0.655, 0.001, 0.0210, 0.0222, 0.0206),
-    (0.695, 0.004, 0.0252, 0.0238, 0.0228),
-    (0.740, 0.003, 0.0262, 0.0250, 0.0236),
-    (0.770, 0.001, 0.0240, 0.0235, 0.0225),
+    (0.470, 0.003, 0.0158, 0.0158, 0.0108),
+    (0.486, 0.002, 0.0146, 0.0146, 0.0114),
+    (0.525, 0.002, 0.0180, 0.0168, 0.0158),
+    (0.585, 0.004, 0.0252, 0.0214, 0.0240),
+    (0.612, 0.002, 0.0232, 0.0222, 0.0226),
+    (0.632, -0.002, 0.0196, 0.0240, 0.0202),
+    (0.655, 0.000, 0.0202, 0.0220, 0.0198),
+    (0.695, 0.005, 0.0262, 0.0236, 0.0230),
+    (0.725, 0.003, 0.0262, 0.0254, 0.0232),
+    (0.745, 0.001, 0.0246, 0.0250, 0.0226),
+    (0.770, 0.001, 0.0236, 0.0232, 0.0222),
 )
 """Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
 
@@ -145,11 +146,12 @@ def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     girth, z = build.girth, build.shoulders
     top = build.level(0.818)
     arm = offset_solid(oval_stack(build.outline(ARM), z), SLEEVE_THICKNESS * girth)
+    # The deltoid stands out beside the joint, and ends in a hollow above the biceps.
     shoulder = round_cone(
-        (0.0, top - 0.010 * girth, z - 0.003 * girth),
-        (0.002 * girth, top - 0.062 * girth, z),
-        0.0248 * girth,
-        0.0276 * girth,
+        (-0.001 * girth, top - 0.014 * girth, z - 0.004 * girth),
+        (0.002 * girth, top - 0.050 * girth, z + 0.0015 * girth),
+        0.0246 * girth,
+        0.0282 * girth,
     )
     end = build.level(0.715 if short_sleeves else 0.500)
     depth = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, z)
@@ -225,12 +227,14 @@ SEAT = (
 """Outline of the pelvis in trousers; see `BodyMeasures.outline`."""
 
 LEG = (
-    (0.046, -0.005, 0.028, 0.031, 0.028),
-    (0.100, -0.008, 0.027, 0.031, 0.028),
-    (0.190, -0.008, 0.031, 0.039, 0.033),
-    (0.245, -0.004, 0.034, 0.037, 0.034),
-    (0.285, 0.001, 0.036, 0.034, 0.035),
-    (0.350, 0.005, 0.041, 0.038, 0.039),
+    (0.028, 0.001, 0.038, 0.040, 0.034),
+    (0.050, -0.003, 0.035, 0.038, 0.0335),
+    (0.075, -0.007, 0.031, 0.036, 0.0325),
+    (0.130, -0.008, 0.031, 0.037, 0.0330),
+    (0.190, -0.007, 0.033, 0.040, 0.0345),
+    (0.245, -0.003, 0.0355, 0.038, 0.0350),
+    (0.288, 0.002, 0.0385, 0.034, 0.0360),
+    (0.350, 0.005, 0.042, 0.040, 0.0400),
     (0.430, 0.005, 0.049, 0.047, 0.046),
     (0.480, 0.003, 0.052, 0.054, 0.047),
     (0.530, 0.000, 0.038, 0.043, 0.032),
@@ -238,29 +242,44 @@ LEG = (
 """Outline of a leg in trousers."""
 
 SHIN = (
-    (0.030, -0.004, 0.020, 0.024, 0.019),
-    (0.060, -0.004, 0.020, 0.023, 0.019),
-    (0.110, -0.003, 0.022, 0.026, 0.022),
-    (0.190, -0.007, 0.028, 0.038, 0.031),
-    (0.245, -0.003, 0.031, 0.036, 0.032),
-    (0.285, 0.002, 0.034, 0.032, 0.033),
-    (0.340, 0.004, 0.0365, 0.0340, 0.0345),
+    (0.030, -0.004, 0.0195, 0.0240, 0.0180),
+    (0.060, -0.004, 0.0185, 0.0225, 0.0170),
+    (0.100, -0.003, 0.0205, 0.0245, 0.0200),
+    (0.150, -0.006, 0.0245, 0.0330, 0.0275),
+    (0.195, -0.008, 0.0290, 0.0395, 0.0325),
+    (0.235, -0.004, 0.0300, 0.0360, 0.0315),
+    (0.262, -0.001, 0.0305, 0.0325, 0.0298),
+    (0.288, 0.003, 0.0355, 0.0310, 0.0335),
+    (0.312, 0.003, 0.0335, 0.0325, 0.0322),
+    (0.345, 0.004, 0.0365, 0.0340, 0.0345),
     (0.380, 0.004, 0.0350, 0.0330, 0.0335),
 )
 """Outline of a bare leg up to where shorts hide it, thinner in them: none may come through."""
+
+TROUSER_END = 0.029
+"""Height of the hem of trousers, on the shoe."""
 
 CROTCH_LEVEL = 0.468
 LEG_SPREAD = 0.2  # of the legs while they are polygonised: thighs all but touch
 
 
 @cached_part
-def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
-    """Return trousers, or shorts, of both legs."""
-    girth, end = build.girth, 0.330 if shorts else 0.046
+def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> SkinnedPatch:
+    """Return trousers, or shorts, of both legs.
+
+    Args:
+        build: measures of the person.
+        shorts: whether they end above the knee.
+        covered: whether a coat hangs over them; thighs are thinner then and stay below it.
+    """
+    girth, end = build.girth, 0.330 if shorts else TROUSER_END
     pelvis = oval_stack(build.outline(SEAT, build.hip_breadth))
     leg = oval_stack(build.outline(LEG), build.hips)
     depth = fold_depth(build, SHORTS if shorts else LEG_FOLDS, build.hips)
-    whole = folded(smooth_union([pelvis, leg], 0.030 * girth), depth)
+    solid = smooth_union([pelvis, leg], 0.030 * girth)
+    if covered:
+        solid = folded(solid, _covered_depth(build))
+    whole = folded(solid, depth)
 
     def spread(places: Array) -> Array:
         y, z = places[:, 1], np.abs(places[:, 2])
@@ -270,7 +289,7 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
     low = (-0.1 * girth, build.level(end), -half_width)
     high = (0.1 * girth, build.level(0.64), half_width)
     surface = polygonise(
-        spread, low, high, 0.0165 * girth, stretch=0.88, symmetric=True, hem=build.level(end)
+        spread, low, high, 0.0163 * girth, stretch=0.88, symmetric=True, hem=build.level(end)
     )
     places = surface.vertices.copy()
     places[:, 2] -= np.sign(places[:, 2]) * _spread(build, places[:, 1])
@@ -280,6 +299,19 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
     below = ramp(places[:, 1], build.level(0.500), build.level(0.450))
     shade = shade * (1.0 - CROTCH_SHADE * between * below)
     return replace(_skinned_trousers(build, places, surface), shade=shade)
+
+
+COVERED_DEPTH = 0.009
+"""By how much thighs are thinner below a coat, in girths."""
+
+
+def _covered_depth(build: BodyMeasures) -> Field:
+    low, high = build.level(0.365), build.level(0.410)
+
+    def depth(places: Array) -> Array:
+        return np.asarray(COVERED_DEPTH * build.girth * ramp(places[:, 1], low, high))
+
+    return depth
 
 
 CROTCH_SHADE = 0.40
@@ -320,7 +352,7 @@ def bare_shins(build: BodyMeasures) -> SkinnedPatch:
     half_width = 0.045 * girth
     low = (-half_width - 0.01 * girth, build.level(0.02), z - half_width)
     high = (half_width + 0.01 * girth, build.level(0.39), z + half_width)
-    surface = polygonise(field, low, high, 0.017 * girth, stretch=1.7)
+    surface = polygonise(field, low, high, 0.0170 * girth, stretch=1.45)
     knee = build.level(0.285)
     share = 1.0 - ramp(surface.vertices[:, 1], knee - 0.028 * girth, knee + 0.028 * girth)
     return with_mirror(surface.follow("thigh_r", "shin_r", share))

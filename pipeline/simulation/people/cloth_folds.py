@@ -47,24 +47,24 @@ class Gather:
 
 
 SLEEVE = (
-    Gather(0.634, 0.034, 0.032, 0.0046, slant=0.50, run=0.2, front=(1.0, 0.35)),
-    Gather(0.512, 0.022, 0.024, 0.0020, slant=0.15, run=-0.3),
-    Gather(0.765, 0.030, 0.034, 0.0030, slant=-0.35, run=1.0, front=(1.0, 0.7)),
+    Gather(0.634, 0.040, 0.032, 0.0054, slant=0.55, run=0.3, front=(1.0, 0.45)),
+    Gather(0.520, 0.026, 0.025, 0.0032, slant=0.25, run=-0.3),
+    Gather(0.758, 0.032, 0.034, 0.0036, slant=-0.35, run=1.0, front=(1.0, 0.7)),
 )
 """Of a long sleeve: at the elbow, above the cuff, and below the shoulder."""
 
 SHORT_SLEEVE = (Gather(0.748, 0.030, 0.034, 0.0024, slant=-0.3, run=1.2, front=(1.0, 0.7)),)
 
 SHIRT = (
-    Gather(0.600, 0.050, 0.038, 0.0026, slant=0.30, run=1.10),
-    Gather(0.745, 0.045, 0.042, 0.0024, slant=0.2, run=-1.0, front=(1.0, 0.7)),
+    Gather(0.598, 0.050, 0.040, 0.0031, slant=0.45, run=0.80),
+    Gather(0.735, 0.045, 0.042, 0.0028, slant=0.2, run=-1.0, front=(1.0, 0.8)),
 )
 """Of a shirt: at the waist, and towards the armpits."""
 
 LEG = (
-    Gather(0.078, 0.028, 0.028, 0.0044, slant=-0.35, run=0.3),
-    Gather(0.272, 0.040, 0.036, 0.0046, slant=-0.30, run=0.3, front=(0.55, 1.0)),
-    Gather(0.452, 0.036, 0.034, 0.0040, slant=0.25, run=0.95, front=(1.0, 0.6)),
+    Gather(0.066, 0.034, 0.030, 0.0060, slant=-0.40, run=0.4, front=(1.0, 0.75)),
+    Gather(0.268, 0.044, 0.036, 0.0060, slant=-0.35, run=0.4, front=(0.60, 1.0)),
+    Gather(0.455, 0.040, 0.034, 0.0044, slant=0.25, run=0.95, front=(1.0, 0.7)),
 )
 """Of trousers: over the shoe, at the knee, and from the crotch outward."""
 

@@ -70,7 +70,7 @@ def _skirt(build: BodyMeasures, hem: float, grown: float) -> SkinnedPatch:
     net = polygonise(folded, low, high, 0.0145 * girth, stretch=1.4, symmetric=True, hem=end)
     y, z = net.vertices[:, 1], net.vertices[:, 2]
     falling = 1.0 - ramp(y, build.level(0.40), build.level(0.55))
-    share = falling * (0.62 + 0.26 * ramp(np.abs(z), 0.0, 0.06 * girth))
+    share = falling * (0.70 + 0.20 * ramp(np.abs(z), 0.0, 0.06 * girth))
     thigh = np.where(z > 0.0, FRAMES.index("thigh_r"), FRAMES.index("thigh_l"))
     frames = np.stack([np.full(len(z), FRAMES.index("pelvis")), thigh], axis=-1)
     return SkinnedPatch(net.vertices, net.faces, frames, share)
@@ -96,7 +96,7 @@ def hood(build: BodyMeasures) -> SkinnedPatch:
     rim = np.stack(
         [
             -0.012 * g - 0.046 * g * np.cos(angle),
-            build.level(0.838) - 0.012 * g * (1.0 - np.cos(angle)),
+            build.level(0.830) - 0.012 * g * (1.0 - np.cos(angle)),
             0.047 * g * np.sin(angle),
         ],
         axis=-1,
@@ -129,9 +129,9 @@ def suit_front(build: BodyMeasures) -> SkinnedPatch:
     # Lower in front than in the neck.
     line = np.stack(
         [
-            -0.010 * g + 0.0365 * g * np.cos(angle),
-            build.level(0.857) - 0.007 * g * (1.0 + np.cos(angle)),
-            0.0365 * g * np.sin(angle),
+            -0.010 * g + 0.0380 * g * np.cos(angle),
+            build.level(0.847) - 0.009 * g * (1.0 + np.cos(angle)),
+            0.0380 * g * np.sin(angle),
         ],
         axis=-1,
     )

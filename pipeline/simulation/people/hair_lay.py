@@ -18,6 +18,11 @@ LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun":
 LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 7.0, "long": 7.0, "bun": 6.0}
 """How far hair stands off."""
 
+ROUND, SKULL = 0.5, (-0.05, 0.22)
+"""Radius of the skull, and heights between which hair begins to lie on it, in heads. Below, it
+hangs. A strand is drawn as a bow over its chord: on a ball that chord goes into the ball by half
+the angle that the strand spans, or combed hair would stand off like straw."""
+
 CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
 """Whorl from which hair goes out, and the knot to which it is drawn."""
 
@@ -52,7 +57,8 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
     locks = _locks(seen)
     flow = normalized(flow) + LOCK_TURNS[style] * locks
     length = LENGTHS[style] * head.size * cut * (1.0 + LOCK_LENGTH * locks[:, 0])
-    return combed(flow, normals, length, np.radians(LIFTS_DEG[style]))
+    spanned = length / (ROUND * head.size) * ramp(seen[:, 1], *SKULL)
+    return combed(flow, normals, length, np.radians(LIFTS_DEG[style]) - 0.5 * spanned)
 
 
 def _locks(places: Array) -> Array:

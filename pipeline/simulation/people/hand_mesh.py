@@ -11,21 +11,28 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.simulation.face_units import HAND_SHAPES, hand_unit
+from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import Field, ellipsoid, round_cone, smooth_union
-from pipeline.simulation.people.skinned_surface import SkinnedPatch, tube
+from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp, tube
 from pipeline.simulation.spatial import Array, normalized
 
 WRIST = 0.476
 """Height from which the bones of the palm spread, as a fraction of an adult's height."""
 
 FINGERS = (
-    (0.0168, 0.4325, 0.0490, 0.0054),
-    (0.0054, 0.4305, 0.0545, 0.0056),
-    (-0.0060, 0.4325, 0.0505, 0.0053),
-    (-0.0166, 0.4370, 0.0410, 0.0046),
+    (0.0172, 0.4325, 0.0490, 0.0051),
+    (0.0056, 0.4305, 0.0545, 0.0053),
+    (-0.0060, 0.4325, 0.0505, 0.0050),
+    (-0.0170, 0.4370, 0.0410, 0.0043),
 )
 """From the index on: place ahead, height of the knuckle, length, radius."""
+
+FAN = {"ease": 0.10, "grip": 0.03, "fist": 0.0, "flat": 0.16}
+"""By how much the index and the little finger spread, by the shape of the hand [rad]."""
+
+GAP_SHADE = 0.42
+"""How dark fingers are on the sides of their neighbours."""
 
 PHALANGES = (0.46, 0.31, 0.23)
 """Lengths of a finger's bones in its own."""
@@ -76,7 +83,7 @@ def palm(build: BodyMeasures) -> Field:
 def fingers(build: BodyMeasures) -> list[SkinnedPatch]:
     """Return the thumb and the fingers of a right hand, which the shapes of hands move."""
     shapes = {name: _digits(build, name) for name in CURLS}
-    return [
+    digits = [
         _shaped(tube(points, radii, AROUND).follow("hand_r"), moved)
         for (points, radii), moved in zip(
             shapes["ease"],
@@ -84,6 +91,16 @@ def fingers(build: BodyMeasures) -> list[SkinnedPatch]:
             strict=True,
         )
     ]
+    thumb, own = digits[0], digits[1:]
+    return [thumb, *(_parted(finger, k) for k, finger in enumerate(own))]
+
+
+def _parted(finger: SkinnedPatch, k: int) -> SkinnedPatch:
+    """Return the finger of a number from the index on, shaded on the sides of its neighbours."""
+    aside = vertex_normals(finger.vertices, finger.faces)[:, 0]
+    before = ramp(aside, 0.25, 0.9) if k > 0 else np.zeros(len(aside))
+    behind = ramp(-aside, 0.25, 0.9) if k < len(FINGERS) - 1 else np.zeros(len(aside))
+    return replace(finger, shade=1.0 - GAP_SHADE * np.maximum(before, behind))
 
 
 def _shaped(patch: SkinnedPatch, moved: tuple[tuple[Array, Array], ...]) -> SkinnedPatch:
@@ -105,8 +122,9 @@ def _digits(build: BodyMeasures, shape: str) -> list[tuple[Array, Array]]:
         points = [np.array([ahead * g, build.level(knuckle) + 0.004 * g, build.shoulders])]
         # At ease the little finger is bent more than the index.
         more = 1.0 + (0.25 if shape == "ease" else 0.0) * (0.0172 - ahead) / 0.0344
+        aside = np.sin(FAN[shape] * ahead / FINGERS[0][0])
         for part, angle in zip(PHALANGES, more * np.cumsum(CURLS[shape]), strict=True):
-            step = np.array([0.0, -np.cos(angle), -np.sin(angle)])
+            step = normalized(np.array([aside, -np.cos(angle), -np.sin(angle)]))
             points.append(points[-1] + part * length * g * step)
         line = _rounded(np.array(points))
         taper = np.interp(np.linspace(0, 3, len(line)), (0, 1, 2, 3), (1.04, 0.98, 0.90, 0.72))

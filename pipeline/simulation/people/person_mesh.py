@@ -166,7 +166,7 @@ def _layers(
         worn.append(collar(build, not FOLDED_COLLARS.isdisjoint(garments)))
     worn.append(cuffs(build, short_sleeves))
     yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
-    legs = [skirt(build)] if "skirt" in garments else [trousers(build, shorts)]
+    legs = [skirt(build)] if "skirt" in garments else [trousers(build, shorts, "coat" in garments)]
     if "skirt" not in garments:
         legs.append(trouser_hems(build, shorts))
     yield "trousers", [*legs, *([bib(build)] if "bib" in garments else [])]

@@ -26,7 +26,7 @@ PROUD, THICK = 0.0011, 0.0052
 CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
     (0.4985, 0.5130),
     (0.7135, 0.7215),
-    (0.0445, 0.0560),
+    (0.0275, 0.0390),
     (0.3285, 0.3385),
 )
 """Lower and upper edges of bands, as fractions of an adult's height."""
@@ -34,13 +34,13 @@ CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
 BELT, BELT_WORN = (0.5885, 0.6030), 0.0003
 """Edges of a belt likewise, and its distance from the outline of the shirt, in girths."""
 
-RIB = ((0.8610, 0.0400), (0.8620, 0.0425), (0.8765, 0.0385), (0.8765, 0.0340))
+RIB = ((0.8450, 0.0405), (0.8460, 0.0430), (0.8590, 0.0392), (0.8590, 0.0345))
 """Rings of the ribbed neck of a shirt, from its lower inner edge around: heights and radii."""
 
-COLLAR = ((0.8590, 0.0430), (0.8590, 0.0465), (0.8810, 0.0385), (0.8800, 0.0340))
+COLLAR = ((0.8430, 0.0430), (0.8430, 0.0475), (0.8670, 0.0392), (0.8660, 0.0345))
 """Rings of a collar that is folded down."""
 
-NECK_MIDDLE, NECK_FALL = -0.0095, 0.0085
+NECK_MIDDLE, NECK_FALL = -0.0095, 0.0110
 """Place of the neck along X, and by how much a collar lies lower in front than behind."""
 
 

@@ -16,7 +16,13 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.generators import generates
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain.base import GridTerrain
-from pipeline.spec.terrain.kinds import DitchesTerrain, RampTerrain, StairsTerrain, StonesTerrain
+from pipeline.spec.terrain.kinds import (
+    IRREGULAR,
+    DitchesTerrain,
+    RampTerrain,
+    StairsTerrain,
+    StonesTerrain,
+)
 
 EDGE_TOLERANCE = 1e-9
 """Vertices this near to an edge, in lengths of the feature, lie on it in spite of rounding."""
@@ -111,12 +117,14 @@ class StoneLayout:
         x: (n_z, n_x) x of their middles [m].
         z: (n_z, n_x) z of their middles [m].
         tops: (n_z, n_x) heights of their tops [m].
+        shape: (3, n_z, n_x) size and the two turns of their outlines, each 0 to 1.
         pit: start and end of the pit along x [m].
     """
 
     x: Array
     z: Array
     tops: Array
+    shape: Array
     pit: tuple[float, float]
 
 
@@ -125,7 +133,8 @@ def stone_layout(terrain: StonesTerrain, rng: np.random.Generator) -> StoneLayou
     pitch = terrain.diameter + terrain.gap
     n_x = max(1, round((terrain.length - terrain.gap) / pitch))
     beside = int(terrain.size[1] / (2.0 * pitch)) + 1
-    n_z = 2 * beside + 1
+    n_z = 2 * beside + 1 if terrain.rows is None else min(terrain.rows, 2 * beside + 1)
+    beside = n_z // 2
     off_x, off_z, off_y = rng.uniform(-0.5, 0.5, (3, n_z, n_x))
     # At most a quarter of the gap either way, so half of a gap is left between two.
     off = 0.5 * terrain.jitter * terrain.gap
@@ -134,8 +143,16 @@ def stone_layout(terrain: StonesTerrain, rng: np.random.Generator) -> StoneLayou
         x=first + pitch * np.arange(n_x) + off * off_x,
         z=pitch * (np.arange(n_z) - beside)[:, None] + off * off_z,
         tops=terrain.height_variation * off_y,
+        shape=rng.uniform(0.0, 1.0, (3, n_z, n_x)),
         pit=(terrain.start, terrain.start + n_x * pitch + terrain.gap),
     )
+
+
+def _lost(angle: Array, size: Array, turn: Array, corner: Array) -> Array:
+    """Return which share of a stone's radius is missing at an angle, up to `IRREGULAR`."""
+    turned = 2.0 * angle + 2.0 * np.pi * turn, 3.0 * angle + 2.0 * np.pi * corner
+    narrow, cornered = (0.5 - 0.5 * np.cos(part) for part in turned)
+    return np.asarray(IRREGULAR * (0.3 * size + 0.45 * narrow + 0.25 * cornered))
 
 
 @generates(StonesTerrain)
@@ -154,7 +171,11 @@ def stones(terrain: StonesTerrain, rng: np.random.Generator) -> HeightField:
     i = np.clip(np.rint((x[over] - first) / pitch).astype(np.int64), 0, n_x - 1)
     j = np.clip(np.rint(z / pitch).astype(np.int64) + n_z // 2, 0, n_z - 1)
     which = np.ix_(j, i)
-    away = (x[over] - stand.x[which]) ** 2 + (z[:, None] - stand.z[which]) ** 2
-    on_top = away <= ((0.5 + EDGE_TOLERANCE) * terrain.diameter) ** 2
+    to_x, to_z = x[over] - stand.x[which], z[:, None] - stand.z[which]
+    widest = np.array(0.5 + EDGE_TOLERANCE)
+    if terrain.irregularity:
+        shape = tuple(part[which] for part in stand.shape)
+        widest = widest * (1.0 - terrain.irregularity * _lost(np.arctan2(to_z, to_x), *shape))
+    on_top = to_x**2 + to_z**2 <= (widest * terrain.diameter) ** 2
     heights[:, over] = np.where(on_top, stand.tops[which], -terrain.depth)
     return HeightField(heights, terrain.size)

@@ -38,6 +38,9 @@ from pipeline.spec.terrain.base import (
     written_out,
 )
 
+IRREGULAR = 0.4
+"""Share of its radius that a stepping stone may lack on one side."""
+
 
 @terrain_kind(flat={})
 class FlatTerrain(GridTerrain):
@@ -216,6 +219,18 @@ class StonesTerrain(GridTerrain):
     height_variation: LengthOrZero = Field(
         0.06, description="Between the lowest and the highest tops there may be [m]."
     )
+    irregularity: Number = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="How unlike the stones' outlines are, and how unlike round: at 1 a stone may "
+        "be six tenths as wide across as the widest.",
+    )
+    rows: Annotated[int, Field(ge=1, le=1001)] | None = Field(
+        None,
+        description="Of stones beside one another, an odd number, the middle one in the terrain's "
+        "middle; rows all across if left out.",
+    )
 
     @model_validator(mode="after")
     def _can_be_shown(self) -> Self:
@@ -223,7 +238,10 @@ class StonesTerrain(GridTerrain):
         return self
 
     def _faults(self) -> Iterator[Fault]:
-        yield from too_coarse(self, "diameter", self.diameter, least=3)
+        if self.rows is not None and self.rows % 2 == 0:
+            yield Fault(("rows",), f"{self.rows} rows have no middle one; take {self.rows + 1}")
+        least = self.diameter * (1.0 - IRREGULAR * self.irregularity)
+        yield from too_coarse(self, "diameter", least, least=3)
         yield from too_coarse(self, "gap", self.gap * (1.0 - 0.5 * self.jitter))
 
 

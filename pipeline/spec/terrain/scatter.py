@@ -186,6 +186,12 @@ class ScatteredSpecies(ConfigModel):
         None, le=400, description="Per square metre of its patches; its own if left out."
     )
     size: Positive = Field(1.0, ge=0.1, le=10, description="Factor on its size.")
+    cover: Positive | None = Field(
+        None,
+        le=1,
+        description="Share of the ground that its patches take, 1 for all of it; its own if left "
+        "out.",
+    )
 
     @field_validator("species")
     @classmethod

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.production.edging.carpentry import Carpentry
+from pipeline.production.edging.cords import APART, PENNANT_SAG, pennant, pennants
 from pipeline.production.edging.facade import RAILED, WINDOWS
 from pipeline.production.edging.house import House
 from pipeline.production.edging.stall import Stall
@@ -55,6 +56,25 @@ def test_no_two_stalls_are_alike() -> None:
         fruit = np.concatenate([copies.points for copies in border.leaves])
         assert 0.85 < fruit[:, 1].min() < fruit[:, 1].max() < 0.95
     assert len(sizes) == 4
+
+
+def test_pennants_hang_evenly_from_a_cord_that_sags() -> None:
+    border: Any = SimpleNamespace(leaves=[])
+    start, end = np.array([1.0, 4.0, 2.0]), np.array([1.0, 4.0, -6.0])
+    pennants(border, start, end, np.random.default_rng(2))
+    cord, hung = border.leaves
+    assert cord.shape.vertices[:, 1].max() < 4.02
+    points = hung.points
+    assert len(points) == round(8.0 / APART)
+    assert np.ptp(np.diff(points[:, 2])) < 1e-9
+    assert 4.0 - 8.0 * PENNANT_SAG <= points[:, 1].min() < points[:, 1].max() < 4.0
+    # They hang below the cord, in its plane.
+    sized = hung.scales[:, None] * pennant().vertices
+    extents = np.ptp(np.einsum("nij,nkj->nki", hung.turns, sized), axis=1)
+    assert (extents[:, 2] > 1.5 * extents[:, 0]).all()
+    assert (sized[..., 1] <= 1e-9).all()
+    corner = np.cross(*(hung.tints[k] for k in (0, 1)))
+    assert np.linalg.norm(corner) > 0.02
 
 
 def test_kinds_of_stone_differ_in_tone_and_height() -> None:

@@ -108,6 +108,19 @@ def test_a_lower_density_leaves_things_out_and_moves_none(ground: GroundSurface)
     } & {tuple(p) for p in many.round(6)}
 
 
+def test_patches_take_the_share_of_the_ground_that_an_author_wants(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+
+    def squares(cover: float | None) -> int:
+        wanted = Wanted("pebbles", 4.0, even=True, cover=cover)
+        points = placement.placed(wanted).points
+        return len(np.unique(np.floor(points[:, [0, 2]]), axis=0))
+
+    own, wide, narrow = squares(None), squares(1.0), squares(0.1)
+    assert wide > 1.4 * own
+    assert narrow < 0.6 * own
+
+
 def test_nothing_solid_stands_in_the_way_of_performers(ground: GroundSurface) -> None:
     where = clearings()
     placement = Placement(ground, VIEW, where, 3, Growth(3, where), 1.0)

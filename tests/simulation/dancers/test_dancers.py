@@ -11,6 +11,7 @@ from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.proportions import ADULT, CHILD, SEGMENT_MASSES
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene, read_scene
+from pipeline.spec.dancer import Dancer
 from tests.simulation.dancers.dance_recorder import (
     MAX_PENETRATION,
     DanceRecording,
@@ -162,12 +163,14 @@ def test_contact_times_do_not_depend_on_step(by: str) -> None:
 
 @pytest.mark.slow
 def test_touch_events_are_on_frames_of_beats() -> None:
-    scene = load_scene(find_scene("macarena"), ["duration=9"])
+    scene = load_scene(find_scene("macarena"), ["duration=10"])
     take, beat = simulate(scene), 60.0 / 103
-    for name in ("adonis", "hermes"):
-        frames = [event.frame for event in take.events if event.who == name]
+    dancers = [member for member in scene.cast if isinstance(member, Dancer)]
+    assert [member.name for member in dancers] == ["adonis", "hermes"]
+    for member in dancers:
+        frames = [event.frame for event in take.events if event.who == member.name]
         for subtask in range(5, 13):
-            on = 1.0 + subtask * beat
+            on = member.start + subtask * beat
             assert min(abs((frame - 1) / 24.0 - on) for frame in frames) < 1.5 / 24.0, subtask
 
 
@@ -197,7 +200,7 @@ def test_dancer_stands_at_its_position_and_heading() -> None:
     names = [node.name for node in plain_take.nodes]
     hand, foot = names.index("a.hand_r"), names.index("a.foot_r")
     for take in (plain_take, moved_take):
-        # Legs are static.
+        # Feet stay where they are.
         np.testing.assert_array_equal(take.positions[0, foot], take.positions[-1, foot])
     offset = plain_take.positions[:, hand] - plain_take.positions[:, names.index("a.pelvis")]
     turned = moved_take.positions[:, hand] - moved_take.positions[:, names.index("a.pelvis")]

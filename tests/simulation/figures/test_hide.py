@@ -14,7 +14,7 @@ from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
 from pipeline.simulation.figures.hide.animal import AnimalHide
 from pipeline.simulation.figures.hide.eyes import EYE_ANGLES, EYE_AROUND, eyeball, eyelids
-from pipeline.simulation.figures.hide.feet import paw_lumps
+from pipeline.simulation.figures.hide.feet import foot_way, paw_lumps
 from pipeline.simulation.figures.hide.head import NOSE_SUNK, Head
 from pipeline.simulation.figures.hide.head_gear import ear_solid, lip_groove, nose_solid
 from pipeline.simulation.figures.hide.lumps import (
@@ -24,7 +24,8 @@ from pipeline.simulation.figures.hide.lumps import (
     settled,
     union_distance,
 )
-from pipeline.simulation.figures.hide.shanks import tail_solid
+from pipeline.simulation.figures.hide.shanks import shank_solid, tail_solid
+from pipeline.simulation.figures.hide.sheets import HOOF_POINTS, HOOF_RINGS, hoof
 from pipeline.simulation.figures.hide.skulls import SKULLS
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.simulation.figures.hide.wing_cases import ShellPlan, wing_case
@@ -324,3 +325,36 @@ def test_the_wing_cases_of_a_beetle_meet_at_its_seam() -> None:
 def test_bad_words_are_refused(skin: dict[str, object], message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         Words.model_validate({**TABLE, "skin": skin})
+
+
+def test_hair_of_a_part_is_longer_there_alone() -> None:
+    words = words_of("dog")
+    layer = {"where": "back", "color": "#806040", "share": 0.0}
+    lengths = []
+    for factor in (1.0, 2.5):
+        hide = AnimalHide(built({**words, "skin": {"paint": [{**layer, "hair": factor}]}}))
+        solid = mesh_lumps([ball(np.zeros(3), (0.5, 0.3, 0.2), 0.1)], 0.05)
+        hair = hide.hair_lay.hair(solid, [])
+        assert hair is not None
+        lengths.append(np.linalg.norm(hair, axis=-1))
+    ratio = lengths[1] / lengths[0]
+    assert ratio.max() == pytest.approx(2.5)
+    assert ratio.min() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", ["horse", "antelope"])
+def test_pasterns_end_inside_their_hooves(name: str) -> None:
+    hide = AnimalHide(built(words_of(name)))
+    chain = next(c for c in hide.stance.chains if c.limb.kind == "leg")
+    tip, r, ahead = chain.points[-1], float(chain.radii[-1]), foot_way(chain)
+    slope = float(chain.ways[-1] @ ahead) / -float(chain.ways[-1][1])
+    horn = hoof(tip, ahead, slope, r, 1).vertices
+    shank = shank_solid(chain, len(chain.ways) - 2, np.ones((len(chain.points), 2)), "hooves")
+    # The line down the middle of the front wall, from the coronet to the sole.
+    wall = horn[: len(HOOF_RINGS) * HOOF_POINTS : HOOF_POINTS]
+    low = shank.vertices[shank.vertices[:, 1] < wall[:, 1].max()]
+    assert len(low) > 8
+    front = np.interp(low[:, 1], wall[::-1, 1], wall[::-1] @ ahead)
+    assert ((low @ ahead) - front).max() < 0.1 * r
+    # The sole lies a little in the turf.
+    assert -0.15 * r < horn[:, 1].min() - (tip[1] - r) < 0.0

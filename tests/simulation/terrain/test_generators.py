@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from pipeline.simulation.seeds import generator
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import build_ground
 from pipeline.simulation.terrain.constructed_terrain import stone_layout
 from pipeline.simulation.terrain.generators import GENERATORS
@@ -19,6 +20,7 @@ from pipeline.simulation.terrain.natural_terrain import scattered_boulders
 from pipeline.spec import Terrain
 from pipeline.spec.terrain.base import TERRAIN_PRESETS, GridTerrain, TerrainConfig
 from pipeline.spec.terrain.kinds import (
+    IRREGULAR,
     BouldersTerrain,
     DitchesTerrain,
     HillsTerrain,
@@ -181,6 +183,33 @@ def test_stones_keep_half_their_gap(jitter: float, seed: int) -> None:
     assert np.abs(stand.tops).max() <= config.height_variation / 2
     if jitter == 0:
         assert free == pytest.approx(config.gap)
+
+
+def test_irregular_stones_are_narrower_and_no_two_alike() -> None:
+    def widths(irregularity: float) -> Array:
+        config = StonesTerrain(
+            rows=1, length=9, size=(24, 4), cells=(1200, 200), irregularity=irregularity, jitter=0
+        )
+        ground = build_ground(config, 5)
+        stand = stone_layout(config, generator(5, "terrain"))
+        assert stand.x.shape[0] == 1
+        across = np.linspace(-0.4, 0.4, 401)
+        return np.array(
+            [(ground.height(np.full(401, x), across) > -0.1).sum() * 0.002 for x in stand.x[0]]
+        )
+
+    round_ones, others = widths(0.0), widths(1.0)
+    assert np.ptp(round_ones) < 0.05
+    assert np.ptp(others) > 0.08
+    assert others.max() < round_ones.max() + 1e-9
+    assert others.min() > (1.0 - IRREGULAR) * 0.5 - 0.05
+
+
+def test_stones_in_few_rows_lie_along_the_middle() -> None:
+    ground = build_ground(StonesTerrain(rows=3), 7)
+    assert float(ground.height(np.array([2.5]), np.array([5.0]))[0]) == -0.6
+    with pytest.raises(ValidationError, match="take 5"):
+        StonesTerrain(rows=4)
 
 
 def test_tops_of_stones_are_level_and_the_pit_is_deep() -> None:

@@ -292,7 +292,9 @@ class AnimalHide:
         target = patch
         differs = own != self._resolved(self.figure.skeleton.links[limb.links[0]].material)
         if feet == "hooves":
-            solid = hoof(chain.points[-1], foot_way(chain), radius, min(toes, 2))
+            ahead, way = foot_way(chain), chain.ways[-1]
+            slope = float(way @ ahead) / max(-float(way[1]), 0.1)
+            solid = hoof(chain.points[-1], ahead, slope, radius, min(toes, 2))
             if differs:
                 target = self.patches.setdefault(last, Patch())
             paint = None if differs else painted(len(solid.vertices), DARK_HORN)

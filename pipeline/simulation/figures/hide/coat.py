@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.sheets import Paint, lay
@@ -19,6 +20,9 @@ PATTERN_SIZES: Mapping[str, float] = {"spots": 0.42, "patches": 0.75, "stripes":
 
 NET, NET_EDGE = 0.05, 0.09
 """Half the width of the net between patches, and that of its edge, in the distance of patches."""
+
+SEAM = 0.35
+"""Width of the soft edge of a part of the body, in its girth."""
 
 LIMB_PLACES: Mapping[str, tuple[str, float, float]] = {
     "legs": ("leg", 0.18, 0.15),
@@ -77,6 +81,19 @@ class Coat:
             paint = np.concatenate([mixed, total], axis=1)
         return paint
 
+    def hair_factors(self, solid: Solid, limbs: list[int], is_head: bool) -> Array | float:
+        """Return the factors (V,) on the length of the coat; see `paint`."""
+        layers = [x for x in self.stance.figure.skin.paint if x.hair != 1.0]
+        if not layers:
+            return 1.0
+        at = _Places(self, solid, limbs, is_head)
+        result = np.ones(len(solid.vertices))
+        for layer in layers:
+            share = at.share(layer.where, layer.size)
+            if share is not None:
+                result *= 1.0 + (layer.hair - 1.0) * share
+        return result
+
 
 class _Places:
     """The shares of the parts of a hide at its vertices."""
@@ -95,13 +112,19 @@ class _Places:
             distances = chain.distances(self._places)
             found.append(distances.min(axis=0))
             self._along.append(chain.coordinates(self._places, distances))
-        self._part = np.argmin(found, axis=0)
+        self._distances = np.array(found)
         self._kinds = ["body", *(figure.skeleton.limbs[i].kind for i in limbs)]
 
     def _of(self, kinds: tuple[str, ...]) -> Array:
-        """Return 1 on limbs of some kinds, 0 elsewhere."""
-        own = [k for k, kind in enumerate(self._kinds) if kind in kinds]
-        return np.isin(self._part, own).astype(float)
+        """Return the share (V,) of limbs of some kinds: 1 on them, softly 0 beyond."""
+        return self._nearest(np.isin(self._kinds, kinds))
+
+    def _nearest(self, own: NDArray[np.bool_]) -> Array:
+        """Return the share (V,) of some parts: 1 on them, softly 0 beyond."""
+        if own.all() or not own.any():
+            return np.full(self._distances.shape[1], float(own.all()))
+        nearer = self._distances[~own].min(axis=0) - self._distances[own].min(axis=0)
+        return smoothstep(nearer / (SEAM * self._coat.girth) + 0.5)
 
     def _share_along(self, kind: str, first: float, soft: float) -> Array:
         """Return the share of limbs of a kind beyond a share of their length."""
@@ -110,9 +133,11 @@ class _Places:
             if own != kind:
                 continue
             chain = self._coat.stance.chains[self._limbs[k - 1]]
-            mine = np.flatnonzero(self._part == k)
-            at = arc_share(chain.points, self._places[mine])
-            result[mine] = smoothstep((at - first) / soft + 0.5)
+            mine = self._nearest(np.arange(len(self._kinds)) == k)
+            some = np.flatnonzero(mine)
+            at = arc_share(chain.points, self._places[some])
+            share = mine[some] * smoothstep((at - first) / soft + 0.5)
+            result[some] = np.maximum(result[some], share)
         return result
 
     def share(self, place: str, size: float | None) -> Array | None:

@@ -109,7 +109,10 @@ class HairLay:
         length = (weights * np.array(lengths)).sum(axis=0)
         if is_head:
             flow, length = self._face(places, normals)
-        return combed(flow, normals, length, self.lift)
+        factors = self.coat.hair_factors(solid, limbs, is_head)
+        # Longer hair lies down by its weight.
+        lift = self.lift / np.sqrt(np.maximum(factors, 1.0))
+        return combed(flow, normals, length * factors, lift)
 
     def locks(self, solid: Solid, limb: int) -> Array | None:
         """Return the long hair (V, 3) of a mane or of a tail of hair, which hangs down [m]."""

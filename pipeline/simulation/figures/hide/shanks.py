@@ -36,6 +36,9 @@ WAISTS = {"hooves": 0.70, "plain": 0.94}
 
 USUAL_KNOB, USUAL_WAIST = 1.04, 0.82
 
+PASTERN_AT, PASTERN = (0.0, 0.22, 0.45, 0.65, 1.0), (1.12, 0.92, 0.94, 0.80, 0.20)
+"""Shares of the last link above a hoof, and its radius there, in that drawn at its start."""
+
 TIP_RINGS, TIP, TIP_SINKS = 5, 0.30, 0.12
 """Rings of the tip of a tail, the radius of its end in that of its root, and how far it sinks."""
 
@@ -89,6 +92,9 @@ def shank_solid(chain: Chain, start: int, girths: Array, feet: str) -> Solid:
         above = above_shank(feet)
         sheath = [0.78 * above, 0.96 * above, above, knob]
         shape = np.interp(t, [0.45, 0.60, 0.80, 1.0], sheath) if i == 0 else bone
+        if i == n - 1 and i > 0 and feet == "hooves":
+            # A pastern is as thin as its bone, and ends inside the hoof.
+            r, shape = radii[i], np.interp(t, PASTERN_AT, PASTERN)
         places.append(points[i] + t[:, None] * (points[i + 1] - points[i]))
         wide = girths[start - 1 + i] + (girths[start + i] - girths[start - 1 + i]) * t[:, None]
         sizes.append((r * shape)[:, None] * wide)

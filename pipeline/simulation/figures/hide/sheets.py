@@ -18,6 +18,27 @@ EAR_ROOT = 0.8
 
 HORN_RINGS, HORN_POINTS = 24, 7
 
+HOOF_POINTS = 12
+"""Vertices of a ring of a hoof."""
+
+HOOF_RINGS = np.array(
+    [
+        *([0.92, 0.66, 1.0], [0.82, 0.81, 1.0], [0.60, 0.82, 0.95]),
+        *([-0.25, 0.98, 0.4], [-0.94, 1.13, 0.0], [-1.08, 1.08, 0.0]),
+    ]
+)
+"""Height, half width and share of the band's slant of the rings of a hoof, in the radius of its
+ball. The first three are the coronet band; the last lies a little below the ground, as in turf."""
+
+HOOF_AHEAD = 0.30
+"""How far the middle of the sole lies ahead of that of the ball, in its radius."""
+
+HOOF_SLOPES = (0.25, 0.62)
+"""Least and greatest slope of the wall of a hoof, ahead for one down."""
+
+HOOF_BAND = 0.20
+"""How far the band sinks from toe to heel, in half of the radius of the ball."""
+
 
 def linear_color(text: str) -> Array:
     """Return the linear colour (3,) of '#rrggbb'."""
@@ -158,32 +179,35 @@ def small_ball(centre: Array, radius: float, around: int = 8, rings: int = 5) ->
     return outward(loft(rings_at, ends))
 
 
-def hoof(sole: Array, ahead: Array, radius: float, toes: int) -> Solid:
-    """Return a hoof with a sloping wall, whole or cloven.
+def hoof(sole: Array, ahead: Array, slope: float, radius: float, toes: int) -> Solid:
+    """Return a hoof with a coronet band and a wall that goes on from the pastern, whole or cloven.
 
     Args:
         sole: (3,) the middle of the ball that touches the ground [m].
         ahead: (3,) level direction in which it points.
+        slope: of the pastern, ahead for one down.
         radius: of that ball [m].
         toes: 1, or 2 for a cloven one.
     """
     side = cross(ahead, np.array([0.0, 1.0, 0.0]))
-    heights = np.array([0.75, 0.40, -0.25, -0.86, -0.97])
-    wide = np.array([0.74, 0.90, 1.04, 1.16, 1.10])
-    forward = np.array([-0.30, -0.16, 0.08, 0.28, 0.28])
-    angle = np.arange(14) * (2.0 * np.pi / 14)
+    angle = np.arange(HOOF_POINTS) * (2.0 * np.pi / HOOF_POINTS)
+    heights, wide = HOOF_RINGS[:, 0], HOOF_RINGS[:, 1]
+    slope = float(np.clip(slope, *HOOF_SLOPES))
+    # The heel is as steep as the toe; the band is bent towards the heel.
+    forward = HOOF_AHEAD - slope * (heights - heights[-1])
     parts = []
     for k in range(toes):
         away = 0.0 if toes == 1 else (k - 0.5) * 1.02
         narrow = 0.96 if toes == 1 else 0.54
         # Longer at the front than at the back; the toes of a cloven one are pointed.
-        front = 1.0 + (0.16 if toes == 1 else 0.30) * np.cos(angle)
-        x = wide[:, None] * front * np.cos(angle) + forward[:, None]
+        front = 1.0 + (0.14 if toes == 1 else 0.30) * np.cos(angle)
+        x = (1.0 if toes == 1 else 0.84) * wide[:, None] * front * np.cos(angle) + forward[:, None]
         z = (
             wide[:, None] * narrow * np.sin(angle) * (1.0 - 0.22 * (toes > 1) * np.cos(angle))
             + away
         )
-        y = np.repeat(heights[:, None], 14, axis=1)
+        # The band sinks from the toe to the heel.
+        y = heights[:, None] + HOOF_BAND * HOOF_RINGS[:, 2:] * (np.cos(angle) - 1.0)
         places = sole + radius * (
             x[..., None] * ahead + y[..., None] * [0, 1, 0] + z[..., None] * side
         )

@@ -1,12 +1,12 @@
 """Crowd avoidance: walkers choose velocities at which they will not meet other people.
 
 Each person that another will meet within a few seconds forbids a half plane of velocities. Two that
-both walk share the way that is to be made; of a standing person a walker makes all of it. Within
-all half planes, the velocity nearest to the wanted one is taken. In a throng where there is none,
-it keeps clear of their bodies and offends least against the space around them. Who gets no
-further squeezes through, for whom standing people make way. In a crowd walkers keep a headway, or
-their feet would strike the legs of those ahead, and brake rather than step aside. Others are
-visited in order along x, so that a crowd costs little more than a few.
+both walk share the way that is to be made, in a crowd by their right of way; of a standing person a
+walker makes all of it. Within all half planes, the velocity nearest to the wanted one is taken. In
+a throng where there is none, it keeps clear of their bodies and offends least against the space
+around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
+walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
+step aside. Others are visited in order along x, so that a crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -30,6 +30,7 @@ from pipeline.simulation.characters.neighbours import (
 )
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
+from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
     keep_together,
@@ -53,6 +54,7 @@ THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
+FIRMNESS = 0.5  # of the right of way where bodies would meet
 QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 
@@ -103,8 +105,12 @@ def avoid_people(persons: Records) -> None:
             own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - tight)
             if walks_with(person, other):
                 own_space = min(own_space, COMPANION_SPACE)
-            _forbid(person, other, tight, 0.0, x, z, lines[k])
-            _forbid(person, other, own_space, 1.0 - squeeze, x, z, lines[count + k])
+            lag = 0.0
+            if in_crowd and _shares_way(person, other):
+                lag = lag_at_crossing(person, other)
+            # Bodies keep clear of one another more alike than the space around them.
+            _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
+            _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
         if count > 0:
             limit = QUICKEST * person.pace
             if not in_crowd:
@@ -175,11 +181,19 @@ def _find_nearest(persons: Records, order: Numbers, n: int, near: Numbers, neare
     return count
 
 
+@inlined
+def _shares_way(one: Record, other: Record) -> bool:
+    """Tell whether another walks as well, and shares the way that two must make."""
+    result: bool = other.has_goal and not other.frozen and other.partner != one.owner
+    return result
+
+
 @compiled
 def _forbid(
     one: Record,
     other: Record,
     own_space: float,
+    lag: float,
     keeps_groups: float,
     wanted_x: float,
     wanted_z: float,
@@ -191,16 +205,19 @@ def _forbid(
         one: the person.
         other: the other.
         own_space: around a person, in heights.
+        lag: of the person at the crossing of their ways, -1 to 1.
         keeps_groups: share of the width of groups that is passed around, 0 to 1.
         wanted_x: velocity [m/s].
         wanted_z: of the same.
         line: written.
     """
-    shares = other.has_goal and not other.frozen and other.partner != one.owner
-    share, own_x, own_z = 0.5, one.velocity[0], one.velocity[1]
-    if not shares:
-        # By its own velocity a walker that has stopped before a standing person would stay there.
+    share, own_x, own_z = 0.5 + MOST_SHARED * lag, one.velocity[0], one.velocity[1]
+    # By its own velocity a walker that has stopped before a standing person, or with the right of
+    # way, would stay there.
+    if not _shares_way(one, other):
         share, own_x, own_z = 1.0, wanted_x, wanted_z
+    elif lag < 0.0:
+        own_x, own_z = own_x - lag * (wanted_x - own_x), own_z - lag * (wanted_z - own_z)
     space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE

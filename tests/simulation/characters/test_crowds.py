@@ -17,6 +17,7 @@ from pipeline.simulation.characters.neighbours import (
     order_along_x,
 )
 from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.characters.right_of_way import lag_at_crossing
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.spatial import Array
 from tests.simulation.characters.scripted_people import STEPS, play_scene
@@ -136,3 +137,15 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
 def test_two_groups_cross_without_a_blow(kind: str) -> None:
     out = cross(kind, 25, 1)
     assert out.is_good, out.text()
+
+
+def test_the_one_nearer_to_the_crossing_of_two_ways_goes_first() -> None:
+    plain: Any = lag_at_crossing
+    two = zero_records(2, PERSON)
+    two["at"], two["goal"] = [[-2.0, 0.0], [0.0, -1.4]], [[5.0, 0.0], [0.0, 6.0]]
+    assert plain.py_func(two[0], two[1]) == pytest.approx(0.6)
+    assert plain.py_func(two[1], two[0]) == pytest.approx(-0.6)
+    two["at"][1] = [0.0, 1.0]  # past the crossing
+    assert plain.py_func(two[0], two[1]) == 1.0
+    two["at"], two["goal"] = [[-2.0, 0.0], [2.0, 0.1]], [[5.0, 0.0], [-5.0, 0.0]]  # head-on
+    assert plain.py_func(two[0], two[1]) == 0.0

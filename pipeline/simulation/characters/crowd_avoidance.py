@@ -49,7 +49,7 @@ TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
-SQUEEZING = 0.007  # change of that in a step
+SQUEEZING, CROWD_SQUEEZING = 0.007, 0.003  # change of that in a step; in a crowd
 THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
@@ -120,7 +120,7 @@ def avoid_people(persons: Records) -> None:
                 x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
                 share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
-        _squeeze(person, wanted_x, wanted_z)
+        _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - alone_z - person.sidestep[1])
 
@@ -158,12 +158,12 @@ def headway_share(
 
 
 @inlined
-def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
+def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) -> None:
     """Let a walker that hardly gets on squeeze through, and others keep their distance again."""
     speed = wanted_x * wanted_x + wanted_z * wanted_z
     gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
-    change = SQUEEZING if gain < SLOW * speed else -SQUEEZING
-    person.impatience = min(max(person.impatience + change, -PATIENCE), 1.0)
+    sign = 1.0 if gain < SLOW * speed else -1.0
+    person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
 
 
 @compiled

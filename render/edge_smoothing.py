@@ -77,10 +77,20 @@ def _between(image: Image, y: NDArray[np.floating], x: NDArray[np.floating]) -> 
     """Return the image (n, 3) at places between pixels, linear; the border goes on beyond it."""
     height, width = image.shape[:2]
     y, x = np.clip(y, 0.0, height - 1.0), np.clip(x, 0.0, width - 1.0)
-    top, left = y.astype(np.intp), x.astype(np.intp)
-    below, right = np.minimum(top + 1, height - 1), np.minimum(left + 1, width - 1)
+    top, left = y.astype(np.int32), x.astype(np.int32)
     down = (y - top).astype(np.float32)[:, None]
     across = (x - left).astype(np.float32)[:, None]
-    first = image[top, left] + across * (image[top, right] - image[top, left])
-    second = image[below, left] + across * (image[below, right] - image[below, left])
-    return np.asarray(first + down * (second - first), np.float32)
+    # One index for row and column: numpy takes rows of a table several times as fast.
+    table = image.reshape(-1, image.shape[-1])
+    here = (top * width + left).astype(np.intp)
+    right = (left < width - 1).astype(np.intp)
+    below = np.where(top < height - 1, width, 0).astype(np.intp)
+    first = table.take(here, axis=0)
+    first += across * (table.take(here + right, axis=0) - first)
+    here += below
+    second = table.take(here, axis=0)
+    second += across * (table.take(here + right, axis=0) - second)
+    second -= first
+    second *= down
+    second += first
+    return second

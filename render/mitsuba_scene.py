@@ -6,6 +6,7 @@ Building anew for each frame would leak (mitsuba3, issue 1890) and take far long
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -152,7 +153,7 @@ class MitsubaScene:
             self._lamp_places = places
         _update_camera(self._values, moment.camera, self._film)
         if self._around.drifting is not None and self._sky_time != moment.time:
-            self._values["sky.data"] = self._around.drifting.at(moment.time)
+            self.scene.environment().set_time(moment.time)
             self._sky_time = moment.time
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
         for i in range(self._n_still):
@@ -216,9 +217,13 @@ class MitsubaScene:
         """Return the camera as it is now, and as it moves on."""
         return CameraView(self.sensor, sweep)
 
-    def accumulator(self) -> Accumulator:
-        """Return an empty accumulator for the sensor of this scene."""
-        return self._tracer.accumulator()
+    def accumulator(self, *, has_airborne: bool = False) -> Accumulator:
+        """Return an empty accumulator for the sensor of this scene.
+
+        Args:
+            has_airborne: whether `add_airborne` will be called with its distances.
+        """
+        return self._tracer.accumulator(PUFF_RAYS if has_airborne else 0)
 
     def pass_exposure(self, shot: Shot) -> PassExposure | None:
         """Return the passes of a shot before its first moment, None if the film asks for none."""
@@ -237,8 +242,23 @@ class MitsubaScene:
             return None
         return AirbornePass(self._traced, area, self.air).begin()
 
-    def add_airborne(self, exposure: AirborneExposure, moment: Moment, k: int, count: int) -> None:
-        """Add what is in the air at the k-th of `count` moments of an exposure."""
+    def add_airborne(
+        self,
+        exposure: AirborneExposure,
+        moment: Moment,
+        k: int,
+        count: int,
+        distances: Sequence[Any] = (),
+    ) -> None:
+        """Add what is in the air at the k-th of `count` moments of an exposure.
+
+        Args:
+            exposure: of this scene.
+            moment: of a shot.
+            k: number of the moment.
+            count: of moments.
+            distances: `Accumulator.distances`.
+        """
         around = self._around
         contents = airborne_contents(
             moment, self._light.weather, around.key, around.ambient, self._film.size
@@ -246,8 +266,12 @@ class MitsubaScene:
         # Rain is sharp by itself; the edges of what is before flames are not.
         rays = PLUME_RAYS if contents.plumes else PUFF_RAYS if contents.puffs else 1
         rays = -(-rays // count)
+        seen = self.sensor, moment.camera.fov_deg, contents
+        if contents.lone_puffs is not None and len(distances) == count * rays:
+            exposure.add(*seen, 0, 1, distances)
+            return
         for ray in range(k * rays, (k + 1) * rays):
-            exposure.add(self.sensor, moment.camera.fov_deg, contents, ray, count * rays)
+            exposure.add(*seen, ray, count * rays)
 
     def _pass_tracer(self, shot: Shot, still: tuple[MeshGroup, ...]) -> PassTracer:
         variant = str(mi.variant())

@@ -30,6 +30,10 @@ FEW_SAMPLES = 8
 stepped."""
 
 
+KEPT_PIXELS = 1280 * 720
+"""Pixels of a frame up to which the memory of its buffers is kept for the next."""
+
+
 @dataclass
 class Timings:
     """Seconds spent by a renderer so far.
@@ -110,8 +114,10 @@ class Renderer:
                     scene.softness(shot.moments[-1].camera) if film.denoise != "off" else None
                 )
         with self.timings.timed("denoise"):
-            # The denoiser needs as much memory as Dr.Jit keeps of the buffers of a trace.
-            drjit.flush_malloc_cache()
+            # The denoiser needs as much memory as Dr.Jit keeps of the buffers of a trace. To ask
+            # the system for it again takes a thirtieth of the time of a preview.
+            if film.size[0] * film.size[1] > KEPT_PIXELS:
+                drjit.flush_malloc_cache()
             is_noisy = scene.has_soft_lights or film.samples <= FEW_SAMPLES
             light = self._denoiser.clean(layers, film.denoise, has_soft_lights=is_noisy)
             if softness is not None and film.denoise != "off":
@@ -142,8 +148,10 @@ class Renderer:
         """Return the mean of all moments of the exposure, and the passes."""
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)
-        accumulator, exposure = scene.accumulator(), scene.pass_exposure(shot)
-        airborne = scene.airborne_exposure(shot)
+        airborne, exposure = scene.airborne_exposure(shot), scene.pass_exposure(shot)
+        # The camera may go on between moments, by which rays to what stands still are spread.
+        is_still = airborne is not None and count == 1
+        accumulator = scene.accumulator(has_airborne=is_still)
         poses = [moment.camera for moment in shot.moments]
         for k, moment in enumerate(shot.moments):
             if k:
@@ -154,7 +162,7 @@ class Renderer:
                 view = scene.view(camera_sweep(poses, k))
                 accumulator.add_passes(view, shot.seed, passes, count * each)
                 if airborne:
-                    scene.add_airborne(airborne, moment, k, count)
+                    scene.add_airborne(airborne, moment, k, count, accumulator.distances)
                 if exposure:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):

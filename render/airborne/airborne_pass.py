@@ -28,7 +28,7 @@ from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
 from render.lights.key_light import KeyLight
 from render.shot import Moment
-from render.tracing.camera_rays import camera_ray
+from render.tracing.camera_rays import camera_ray, central_ray
 from render.tracing.haze import Air
 from render.tracing.stratification import PassStrata, stratum_grid
 from render.tracing.tracer import in_chunks, pixels_of
@@ -96,6 +96,7 @@ class AirbornePass:
         contents: Contents,
         k: int,
         total: int,
+        distances: Sequence[Any] = (),
     ) -> Image:
         """Return the share of light that passes, and the light added, (n, 4) of all pixels.
 
@@ -105,6 +106,8 @@ class AirbornePass:
             contents: of the air at this moment.
             k: number of the ray through each pixel.
             total: rays through each pixel of the frame.
+            distances: of the surfaces in a pixel, pixel by pixel, if they are known and there is
+                dust alone. One ray is enough, for within a pixel dust hardly changes.
         """
         angle = 2 * math.tan(math.radians(fov_deg) / 2) / self._size[1]
         angle = dr.opaque(mi.Float, angle)
@@ -112,14 +115,14 @@ class AirbornePass:
         strata = PassStrata(0, k, stratum_grid(total))
         found = []
         for pixels in self._chunks:
-            ray = camera_ray(sensor, pixels, self._size, strata.step(0))
-            lanes = dr.arange(mi.UInt32, dr.width(pixels))
             if contents.lone_puffs is not None:
-                lanes = _dusty(contents.lone_puffs, ray)
-                if dr.width(lanes) == 0:
-                    found.append(np.tile(NOTHING, (dr.width(pixels), 1)))
-                    continue
-                ray = dr.gather(mi.Ray3f, ray, lanes)
+                ends = [dr.gather(mi.Float, one, pixels) for one in distances]
+                rays = central_ray(sensor, pixels, self._size)
+                if not ends:
+                    rays = camera_ray(sensor, pixels, self._size, strata.step(0))
+                found.append(self._through_dust(contents.lone_puffs, rays, ends))
+                continue
+            ray = camera_ray(sensor, pixels, self._size, strata.step(0))
             hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
             distance = dr.select(hit.is_valid(), hit.t, FAR)
             passed, light = mi.Float(1.0), mi.Color3f(0.0)
@@ -127,7 +130,7 @@ class AirbornePass:
                 passed, light = self._through_rain(contents.falling, ray, hit, distance, angle)
             if contents.puffs is not None:
                 dr.eval(ray, distance, passed, light)
-                share, added = contents.puffs.seen(ray, distance)
+                share, added = contents.puffs.seen(ray, [distance])
                 light += passed * added
                 passed = passed * share
             for plume in contents.plumes:
@@ -139,11 +142,30 @@ class AirbornePass:
             if contents.sparks is not None:
                 dr.eval(ray, distance, passed, light)
                 light += contents.sparks.seen(pixels, ray, distance, angle)
-            values = mi.Float(np.tile(NOTHING, dr.width(pixels)))
-            for channel, value in enumerate((passed, *light)):
-                dr.scatter(values, value, 4 * lanes + channel)
-            found.append(np.array(values, np.float32).reshape(-1, 4))
+            lanes = dr.arange(mi.UInt32, dr.width(pixels))
+            found.append(_written(passed, light, lanes, dr.width(pixels)))
         return np.concatenate(found)
+
+    def _through_dust(self, puffs: Puffs, ray: Any, ends: Sequence[Any]) -> Image:
+        """Return what `traced` does of rays through dust alone.
+
+        Args:
+            puffs: of dust.
+            ray: from the camera.
+            ends: distances of the surfaces in a pixel [m]; empty if they are not known.
+        """
+        n = dr.width(ray.d)
+        lanes = dr.arange(mi.UInt32, n)
+        if not ends:
+            lanes = _dusty(puffs, ray)
+            if dr.width(lanes) == 0:
+                return np.tile(NOTHING, (n, 1))
+            ray = dr.gather(mi.Ray3f, ray, lanes)
+            hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
+            ends = [dr.select(hit.is_valid(), hit.t, FAR)]
+        ends = [dr.minimum(end, FAR) for end in ends]
+        dr.eval(ray, ends)
+        return _written(*puffs.seen(ray, ends), lanes, n)
 
     def _through_rain(
         self, falling: Precipitation, ray: Any, hit: Any, distance: Any, angle: Any
@@ -166,13 +188,28 @@ class AirbornePass:
         return light * clear + self._air.scattered(ray.d) * ((1.0 - clear) * (1.0 - share))
 
 
+def _written(passed: Any, light: Any, lanes: Any, count: int) -> Image:
+    """Return the share of light that passes, and the light added, (count, 4).
+
+    Args:
+        passed: of some rays, `mi.Float`.
+        light: of the same, `mi.Color3f`.
+        lanes: numbers of these rays.
+        count: of all rays; the others meet nothing.
+    """
+    values = mi.Float(np.tile(NOTHING, count))
+    for channel, value in enumerate((passed, *light)):
+        dr.scatter(values, value, 4 * lanes + channel)
+    return np.asarray(values).reshape(-1, 4)
+
+
 def _dusty(puffs: Puffs, ray: Any) -> Any:
     """Return the numbers of rays that puffs dim where no surface is before them.
 
     Around a ragged puff most rays pass it, and need not look for a surface.
     """
     dr.eval(ray)
-    share, _ = puffs.seen(ray, dr.full(mi.Float, FAR, dr.width(ray.d)))
+    share, _ = puffs.seen(ray, [dr.full(mi.Float, FAR, dr.width(ray.d))])
     return mi.UInt32(dr.compress(share < 1.0 - LEAST_DIMMING))
 
 

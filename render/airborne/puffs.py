@@ -62,12 +62,12 @@ class Puffs:
         dr.make_opaque(made.place, made.radius, made.depth, made.color, made.seed, made.count)
         return made
 
-    def seen(self, ray: Any, distance: Any) -> tuple[Any, Any]:
+    def seen(self, ray: Any, distances: Sequence[Any]) -> tuple[Any, Any]:
         """Return the share of light that passes, `mi.Float`, and the light added, `mi.Color3f`.
 
         Args:
             ray: from the camera.
-            distance: to the surface [m].
+            distances: to surfaces that end it in different parts of a pixel [m].
         """
 
         def body(i: Any, depth: Any, color: Any) -> Any:
@@ -84,8 +84,9 @@ class Puffs:
             is_near = (out < PUFF_REACH * PUFF_REACH) & (t > 0.0)
 
             def thickened(depth: Any, color: Any) -> Any:
-                # Of the whole depth, what lies before the surface.
-                part = 0.5 + 0.5 * dr.erf((distance - t) * dr.sqrt(scale) / radius)
+                # Of the whole depth, what lies before the surfaces.
+                ends = [dr.erf((end - t) * dr.sqrt(scale) / radius) for end in distances]
+                part = 0.5 + (0.5 / len(ends)) * sum(ends[1:], ends[0])
                 q = (ray(t) - center) / (0.42 * radius)
                 salt = dr.gather(mi.Float, self.seed, i)
                 ragged = 0.65 * noise3(q.x + salt, q.y, q.z) + 0.35 * noise3(
@@ -106,7 +107,7 @@ class Puffs:
             )
             return i + 1, depth, color
 
-        n = dr.width(distance)
+        n = dr.width(distances[0])
         _, depth, color = dr.while_loop(
             (dr.zeros(mi.UInt32, n), dr.zeros(mi.Float, n), dr.zeros(mi.Color3f, n)),
             lambda i, depth, color: i < self.count,

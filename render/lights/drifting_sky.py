@@ -1,8 +1,9 @@
-"""Drifting sky: the map of a sky whose cumulus moves with the wind.
+"""Drifting sky: an emitter around a scene whose cumulus moves with the wind.
 
 A layer takes seconds to paint. So it is painted once for each hundred metres that it drifts, and
-for each frame every direction looks up where in the painting the air was that is there now. Towards
-the end of each stretch the next painting fades in.
+every direction looks up where in the painting the air was that is there now. Towards the end of
+each stretch the next painting fades in. No map of a moment is made: one that is as fine as a frame
+takes longer than all that is looked up in it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.lights.clouds import Heaps, distance_to
+from render.lights.environment_map import pixel_directions, resized
+from render.python_plugin import plugin
 
 STRETCH = 100.0
 """Drift for which a painting serves [m]: a tenth of the height of the clouds."""
@@ -23,18 +26,23 @@ _FADE = 0.5
 """Share of a stretch after which the next painting fades in."""
 _HEIGHT = 1100.0
 """Height of most of what is seen of the clouds [m]."""
+_DISTANCE = 1e4
+"""Distance of the sky, to which shadow rays go [m]."""
 
 Drift = tuple[float, float]
 
 
 class DriftingSky:
-    """The map of a sky at any time.
+    """The radiance of a sky at any time.
 
     Args:
         behind: (H, W, 3) sky behind the cumulus.
         paint: returns the cumulus at a drift along x and z [m].
         speed: of the clouds [m/s].
         drift: returns the drift at a time [s].
+
+    Attributes:
+        values: all arrays that it looks up now, by name; see `emitter`.
     """
 
     def __init__(
@@ -46,74 +54,132 @@ class DriftingSky:
     ) -> None:
         self._height, self._width = behind.shape[:2]
         self._paint, self._speed, self._drift = paint, speed, drift
-        # Mitsuba keeps a column more on each side, which repeats the first of the other.
-        padded = np.pad(behind, ((0, 0), (1, 1), (0, 0)), mode="wrap").astype(np.float32)
-        half = self._height // 2
-        self._above = mi.Color3f(np.ascontiguousarray(padded[:half].reshape(-1, 3).T))
-        self._below = mi.Float(padded[half:].ravel())
-        self._paintings: dict[int, tuple[Any, Any]] = {}
+        self._behind = _table(behind, np.zeros(behind.shape[:2]))
+        self._paintings: dict[int, Any] = {}
+        self.values: dict[str, Any] = {}
+        self.set_time(0.0)
 
-    def at(self, time: float) -> Any:
-        """Return the data of an `envmap` at a time [s], `mi.TensorXf`."""
+    def set_time(self, time: float) -> None:
+        """Let the cumulus drift to a time [s]."""
         stretch = self._speed * time / STRETCH
         k = int(stretch)
-        color, cover = self._moved(k, time)
-        fade = (stretch - k - _FADE) / (1.0 - _FADE)
-        if fade > 0.0:
-            fade = fade * fade * (3.0 - 2.0 * fade)
-            color2, cover2 = self._moved(k + 1, time)
-            w = dr.opaque(mi.Float, fade)
-            color, cover = color + w * (color2 - color), cover + w * (cover2 - cover)
+        fade = max((stretch - k - _FADE) / (1.0 - _FADE), 0.0)
+        fade = fade * fade * (3.0 - 2.0 * fade)
+        shown = (k, k + 1) if fade > 0.0 else (k,)
         self._paintings = {i: p for i, p in self._paintings.items() if i in (k, k + 1)}
-        seen = self._above * (1.0 - cover) + color
-        # Written at its place: maps are large, and each step that makes one keeps its memory.
-        upper, lower = 3 * dr.width(self._above), dr.width(self._below)
-        data = dr.empty(mi.Float, upper + lower)
-        dr.scatter(data, self._below, upper + dr.arange(mi.UInt32, lower))
-        dr.scatter(data, seen, dr.arange(mi.UInt32, upper // 3))
-        return mi.TensorXf(data, (self._height, self._width + 2, 3))
+        x1, z1 = self._drift(time)
+        self.values = {"behind": self._behind, "fade": dr.opaque(mi.Float, fade)}
+        for name, i in zip(("now", "next"), shown, strict=False):
+            x0, z0 = self._drift(i * STRETCH / self._speed if self._speed > 0.0 else 0.0)
+            if i not in self._paintings:
+                layer = self._paint((x0, z0))
+                self._paintings[i] = _table(layer.color, layer.cover)
+            self.values[name] = self._paintings[i]
+            back = dr.opaque(mi.Float, x0 - x1), dr.opaque(mi.Float, z0 - z1)
+            self.values[f"{name} back"] = mi.Vector2f(*back)
+
+    def radiance(self, d: Any) -> Any:
+        """Return the light from directions, unit vectors, `mi.Color3f`."""
+        seen = self._looked_up(self.values["behind"], d, self._height)
+        layer = self._layer("now", d)
+        if "next" in self.values:
+            layer += self.values["fade"] * (self._layer("next", d) - layer)
+        # Within the row of pixels at the horizon, the layer ends.
+        row = dr.acos(dr.clip(d.y, -1.0, 1.0)) * (self._height / dr.pi)
+        layer *= dr.clip(0.5 * self._height + 0.5 - row, 0.0, 1.0)
+        color = mi.Color3f(seen.x, seen.y, seen.z) * (1.0 - layer.w)
+        return color + mi.Color3f(layer.x, layer.y, layer.z)
 
     def image(self, time: float) -> NDArray[np.float32]:
-        """Return the map (H, W, 3) at a time [s]."""
-        return np.array(self.at(time), np.float32)[:, 1:-1]
+        """Return a map (H, W, 3) of the radiance at a time [s]."""
+        self.set_time(time)
+        directions = pixel_directions(self._width, self._height).reshape(-1, 3)
+        d = mi.Vector3f(np.ascontiguousarray(directions.T, np.float32))
+        found = np.array(self.radiance(d), np.float32).T
+        return np.ascontiguousarray(found).reshape(self._height, self._width, 3)
 
-    def _moved(self, k: int, time: float) -> tuple[Any, Any]:
-        """Return colour and cover of the k-th painting, carried to a time."""
-        painted_at = k * STRETCH / self._speed if self._speed > 0.0 else 0.0
-        (x0, z0), (x1, z1) = self._drift(painted_at), self._drift(time)
-        if k not in self._paintings:
-            layer = self._paint((x0, z0))
-            color = np.ascontiguousarray(layer.color.reshape(-1, 3).T)
-            self._paintings[k] = mi.Color3f(color), mi.Float(layer.cover.ravel())
-        return self._looked_up(*self._paintings[k], x0 - x1, z0 - z1)
+    def emitter(self, sampling_weight: float) -> Any:
+        """Return the sky as `mi.Emitter`, as it is at the time that is set.
 
-    def _looked_up(self, color: Any, cover: Any, back_x: float, back_z: float) -> tuple[Any, Any]:
-        """Return a painting, seen as if it had stood by some metres elsewhere."""
-        width, rows = self._width, self._height // 2
-        pixel = dr.arange(mi.UInt32, rows * (width + 2))
-        # The column outside on the left is the last one of the map.
-        across = mi.Float(pixel % (width + 2)) - 0.5
-        theta = (mi.Float(pixel // (width + 2)) + 0.5) * (dr.pi / self._height)
-        phi = across * (2 * dr.pi / width)
-        flat = dr.sin(theta)
-        d = mi.Vector3f(flat * dr.sin(phi), dr.cos(theta), -flat * dr.cos(phi))
+        Args:
+            sampling_weight: of Mitsuba, 0 for a sky that only rays which meet it see.
+        """
+        # Clouds are broad: directions are chosen by a small map.
+        small = mi.Bitmap(np.asarray(resized(self.image(0.0).astype(np.float64)), np.float32))
+        made = plugin(_SkyEmitter, "Emitter", {"sampling_weight": sampling_weight})
+        made.m_flags = mi.EmitterFlags.Infinite | mi.EmitterFlags.SpatiallyVarying
+        made.sky, made.values = self, self.values
+        made.chooser = mi.load_dict({"type": "envmap", "bitmap": small})
+        return made
+
+    def _layer(self, name: str, d: Any) -> Any:
+        """Return colour and cover of a painting, carried to the time that is set."""
+        back = self.values[f"{name} back"]
         p = d * distance_to(d, _HEIGHT)
-        p.x += dr.opaque(mi.Float, back_x)
-        p.z += dr.opaque(mi.Float, back_z)
-        p = dr.normalize(p)
-        row = dr.acos(dr.clip(p.y, -1.0, 1.0)) * (self._height / dr.pi) - 0.5
-        column = dr.atan2(p.x, -p.z) * (width / (2 * dr.pi)) - 0.5 + 2 * width
+        p = dr.normalize(mi.Vector3f(p.x + back.x, p.y, p.z + back.y))
+        return self._looked_up(self.values[name], p, self._height // 2)
+
+    def _looked_up(self, table: Any, d: Any, rows: int) -> Any:
+        """Return the values of a map in directions, linear between pixels, `mi.Vector4f`."""
+        width = self._width
+        row = dr.acos(dr.clip(d.y, -1.0, 1.0)) * (self._height / dr.pi) - 0.5
+        column = dr.atan2(d.x, -d.z) * (width / (2 * dr.pi)) - 0.5 + 2 * width
         row = dr.clip(row, 0.0, rows - 1.001)
         top, left = mi.UInt32(row), mi.UInt32(column)
         down, side = row - mi.Float(top), column - mi.Float(left)
         left, right = left % width, (left + 1) % width
 
-        def mixed(kind: Any, table: Any) -> Any:
-            def along(r: Any) -> Any:
-                near = dr.gather(kind, table, r * width + left)
-                return near + side * (dr.gather(kind, table, r * width + right) - near)
+        def along(r: Any) -> Any:
+            near = dr.gather(mi.Vector4f, table, r * width + left)
+            return near + side * (dr.gather(mi.Vector4f, table, r * width + right) - near)
 
-            high = along(top)
-            return high + down * (along(top + 1) - high)
+        high = along(top)
+        return high + down * (along(top + 1) - high)
 
-        return mixed(mi.Color3f, color), mixed(mi.Float, cover)
+
+class _SkyEmitter:
+    """Methods of `mi.Emitter` for a sky."""
+
+    sky: DriftingSky
+    values: dict[str, Any]
+    chooser: Any
+
+    def set_time(self, time: float) -> None:
+        """Let the cumulus drift to a time [s]."""
+        self.sky.set_time(time)
+        # Members of the emitter, where frozen functions look for their inputs.
+        self.values = self.sky.values
+
+    def eval(self, si: Any, active: Any = True) -> Any:
+        return dr.select(active, self.sky.radiance(-si.wi), 0.0)
+
+    def sample_direction(self, it: Any, sample: Any, active: Any = True) -> tuple[Any, Any]:
+        found, _ = self.chooser.sample_direction(it, sample, active)
+        found.dist, found.p = _DISTANCE, it.p + _DISTANCE * found.d
+        found.emitter = mi.EmitterPtr(self)
+        light = self.sky.radiance(found.d) / found.pdf
+        return found, dr.select(active & (found.pdf > 0.0), light, 0.0)
+
+    def pdf_direction(self, it: Any, ds: Any, active: Any = True) -> Any:
+        return self.chooser.pdf_direction(it, ds, active)
+
+    def eval_direction(self, it: Any, ds: Any, active: Any = True) -> Any:
+        del it
+        return dr.select(active, self.sky.radiance(ds.d), 0.0)
+
+    def bbox(self) -> Any:
+        return mi.ScalarBoundingBox3f()
+
+    def traverse(self, callback: Any) -> None:
+        del callback
+
+    def parameters_changed(self, keys: Any) -> None:
+        del keys
+
+    def to_string(self) -> str:
+        return "DriftingSky[]"
+
+
+def _table(color: NDArray[np.floating], share: NDArray[np.floating]) -> Any:
+    """Return a map (H, W, 3) with a fourth channel (H, W) pixel by pixel, `mi.Float`."""
+    return mi.Float(np.concatenate([color, share[..., None]], axis=-1).astype(np.float32).ravel())

@@ -56,8 +56,8 @@ class Surroundings:
     """What lights a scene from afar, and the air in it.
 
     Attributes:
-        emitters: dictionaries for `mi.load_dict`: `sky`, an `envmap` as the film begins, and
-            `key`, a distant disc, if there is a key light.
+        emitters: for `mi.load_dict`: `sky`, an `envmap`, or `DriftingSky.emitter` where it
+            changes in time, and `key`, a distant disc, if there is a key light.
         haze: of the air, or None.
         key: the key light, or None.
         ambient: (3,) mean radiance from all directions, without the key light.
@@ -66,7 +66,7 @@ class Surroundings:
         downwelling: (3,) irradiance of level ground by sky and key light.
     """
 
-    emitters: dict[str, dict[str, Any]]
+    emitters: dict[str, Any]
     haze: Haze | None
     key: KeyLight | None
     ambient: Vector
@@ -106,12 +106,15 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
         shown = image
     # Softboxes beside the key light are bright and narrow: without shadow rays they are noise.
     key_alone = not light.is_wide and key.illuminance(UP) > _STRONG_KEY_SHARE * card
-    found = {
+    weight = 0.0 if key_alone else 1.0
+    found: dict[str, Any] = {
         "sky": {
             "type": "envmap",
             "bitmap": mi.Bitmap(np.ascontiguousarray(shown, np.float32)),
-            "sampling_weight": 0.0 if key_alone else 1.0,
+            "sampling_weight": weight,
         }
+        if drifting is None
+        else drifting.emitter(weight)
     }
     if key.is_lit:
         found["key"] = key.emitter(scale)

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
 from render.config import Material
+from render.python_plugin import plugin
 from render.surfaces.mitsuba_bsdf import opaque_bsdf
 from render.surfaces.patterns import Shader
 
@@ -25,33 +25,12 @@ SUBSURFACE_FALLOFF = (0.30, 0.06, -0.08)
 """By how much the power of the cosine with which skin darkens differs from Lambert's 1: red, green,
 blue. Red goes farthest below the surface, and around the edge of a shade."""
 
-SHADOW_LIFT = 0.004
-"""Height above skin from which its shadows are looked for, more than its faces are flat [m]."""
-
 RIM_GAIN, RIM_WHITE, RIM_POWER = 4.0, 0.18, 4
 """Of thin sheets with sheen, such as strands of hair: how much stronger light is that goes on
 nearly straight ahead, how much of it keeps its own colour besides, and its power of the cosine."""
 
 LEAST_COSINE = 0.02
 """Cosine from which on light that grazes a surface is no longer strengthened."""
-
-
-def plugin(methods: type, base: str) -> Any:
-    """Return a new object of Mitsuba's class `base` with these methods.
-
-    Mitsuba's base classes differ between variants and do not exist before one is chosen, so
-    the methods stand in plain classes.
-    """
-    return _plugin_class(methods, base, mi.variant())(mi.Properties())
-
-
-@cache
-def _plugin_class(methods: type, base: str, variant: str) -> type:
-    del variant
-    # Mitsuba's classes allow no second base, so the methods are copied.
-    found = {k: v for owner in reversed(methods.__mro__) for k, v in vars(owner).items()}
-    own = {k: v for k, v in found.items() if not k.startswith("__")}
-    return type(methods.__name__, (getattr(mi, base),), own)
 
 
 def eval_pdf_albedo(bsdf: Any, si: Any, wo: Any) -> tuple[Any, Any, Any, Any]:
@@ -143,7 +122,6 @@ def glossy_bsdf(material: Material, shader: Shader, values: dict[str, Any]) -> A
     surface.paint, surface.base = paint, mi.load_dict(opaque_bsdf(material, paint))
     surface.shader, surface.values = shader, values
     surface.falloff = tuple(material.subsurface * share for share in SUBSURFACE_FALLOFF)
-    surface.shadow_lift = SHADOW_LIFT * material.subsurface
     surface.set_flags()
     return surface
 
@@ -305,7 +283,6 @@ class _GlossyBsdf(_ShadedBsdf):
     paint: Any
     base: Any
     falloff: tuple[float, ...]
-    shadow_lift: float
 
     def set_flags(self) -> None:
         """Copy the flags of the wrapped BSDF, for both sides."""

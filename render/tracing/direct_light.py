@@ -24,10 +24,10 @@ def surface_light(
     water: Water | None,
     relief: SkyRelief | None,
     ray: Any,
+    hit: Any,
     u: tuple[Any, Any],
     has_lamps: bool,
     *,
-    held: Any = None,
     coherent: bool = False,
 ) -> tuple[Any, Any, Any, Any, Any]:
     """Return what rays meet.
@@ -41,15 +41,11 @@ def surface_light(
         water: of the scene, None without any.
         relief: of surfaces in the light of the sky, which goes into the albedo.
         ray: from camera or water.
+        hit: what it meets, `mi.PreliminaryIntersection3f`.
         u: pair of numbers for a point on an emitter, and one that chooses between emitters.
         has_lamps: whether surfaces are lit at all.
-        held: rays to what moves where they are others; then the scene is a `ScenePair`.
         coherent: whether neighbouring rays are close to each other.
     """
-    if held is None:
-        hit = scene.ray_intersect_preliminary(ray, coherent=coherent)
-    else:
-        ray, hit = scene.first_hit(ray, held, coherent)
     si = hit.compute_surface_interaction(ray, mi.RayFlags.All)
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
@@ -58,11 +54,10 @@ def surface_light(
     arriving *= dimmed(shade, sample.emitter, si.p)
 
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
-        lift = mi.Float(getattr(bsdf, "shadow_lift", 0.0))
-        return *eval_pdf_albedo(bsdf, si, wo), lift, mi.Bool(not hasattr(bsdf, "translucency"))
+        return *eval_pdf_albedo(bsdf, si, wo), mi.Bool(not hasattr(bsdf, "translucency"))
 
     found = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
-    value, bsdf_pdf, albedo, normal, lift, is_solid = found
+    value, bsdf_pdf, albedo, normal, is_solid = found
     albedo = (albedo + ALBEDO_BIAS) * sky_share(relief, si, normal)
     albedo = dr.select(si.is_valid(), albedo, 0.0)
     if water is not None:
@@ -71,10 +66,7 @@ def surface_light(
         arriving *= wet * water.reaching(si.p, sample)
     light, open_light = mi.Color3f(0.0), mi.Color3f(0.0)
     if has_lamps:
-        # Light that the smooth normal sees, and the flat face does not, would end in a hard line.
-        lift = dr.select(dr.dot(si.sh_frame.n, sample.d) < 0.0, -lift, lift)
-        offset = shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
-        si.p += lift * si.sh_frame.n + offset
+        si.p += shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
         light, open_light = unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

@@ -34,8 +34,9 @@ class PathTracer(Tracer):
         self._scene, self._rays = scene, rays
         self._layers = _layered_path(depth, air)
 
-    def accumulator(self) -> Accumulator:
-        """Return an empty accumulator."""
+    def accumulator(self, kept_distances: int = 0) -> Accumulator:
+        """Return an empty accumulator, which keeps no distances."""
+        del kept_distances
         return _Accumulator(self)
 
     def scene_changed(self) -> None:

@@ -29,7 +29,14 @@ Sums = tuple[Any, ...]
 
 
 class Accumulator(ABC):
-    """The sums of one frame."""
+    """The sums of one frame.
+
+    Attributes:
+        distances: of the surfaces [m], infinite where there is none: pixel by pixel and sample by
+            sample of direct light, `mi.Float` each; empty where they are not kept.
+    """
+
+    distances: tuple[Any, ...] = ()
 
     @abstractmethod
     def add_passes(self, view: CameraView, seed: int, passes: range, total: int) -> None:
@@ -52,8 +59,13 @@ class Tracer(ABC):
     """Traces one Mitsuba scene."""
 
     @abstractmethod
-    def accumulator(self) -> Accumulator:
-        """Return an empty accumulator."""
+    def accumulator(self, kept_distances: int = 0) -> Accumulator:
+        """Return an empty accumulator.
+
+        Args:
+            kept_distances: number of samples of direct light in a pixel of frames for which a
+                tracer may keep their distances.
+        """
 
     @abstractmethod
     def scene_changed(self) -> None:
@@ -74,12 +86,24 @@ class PixelLanes:
 
     Attributes:
         size: the same.
+        count: of pixels.
         chunks: numbers of pixels, row by row, `mi.UInt32` each.
     """
 
     def __init__(self, size: tuple[int, int]) -> None:
-        self.size = size
+        self.size, self.count = size, size[0] * size[1]
         self.chunks = in_chunks(_square_order(*size))
+
+    def first_lane(self, chunk: int) -> int:
+        """Return how many pixels are traced before those of a chunk."""
+        return sum(dr.width(pixels) for pixels in self.chunks[:chunk])
+
+    def lanes(self) -> NDArray[np.uint32]:
+        """Return the place in the order of tracing of each pixel, row by row."""
+        order = _square_order(*self.size)
+        found = np.empty_like(order)
+        found[order] = np.arange(len(order), dtype=np.uint32)
+        return found
 
     def zero_sums(self, kinds: int) -> list[Sums]:
         """Return sums of zero for each chunk, of so many kinds."""
@@ -98,7 +122,7 @@ class PixelLanes:
         values = dr.empty(mi.Float, 3 * width * height)
         for pixels in self.chunks:
             dr.scatter(values, sums.pop(0) / dr.opaque(mi.Float, count), pixels)
-        return np.array(values, np.float32).reshape(height, width, 3)
+        return np.asarray(values).reshape(height, width, 3)
 
 
 def pixels_of(area: NDArray[np.bool_]) -> NDArray[np.uint32]:
@@ -108,8 +132,13 @@ def pixels_of(area: NDArray[np.bool_]) -> NDArray[np.uint32]:
 
 
 def in_chunks(pixels: NDArray[np.uint32]) -> list[Any]:
-    """Return pixels in chunks that are traced at once, `mi.UInt32` each."""
-    return [mi.UInt32(p) for p in np.array_split(pixels, max(-(-len(pixels) // MAX_PATHS), 1))]
+    """Return pixels in chunks that are traced at once, `mi.UInt32` each.
+
+    All but the last are full: Dr.Jit splits them into blocks of 2^14 for its threads, of which
+    equal chunks would leave a rest for one thread to do while the others wait.
+    """
+    starts = range(0, max(len(pixels), 1), MAX_PATHS)
+    return [mi.UInt32(pixels[start : start + MAX_PATHS]) for start in starts]
 
 
 def _square_order(width: int, height: int) -> NDArray[np.uint32]:

@@ -69,13 +69,18 @@ def add_water(
     for share, direction, is_under, pair in ways:
         way = mi.Ray3f(face.p + _CLEARANCE * direction, direction)
         u = sample_2d(pixels, strata, pair), sample_1d(pixels, strata)
+        hit = scene.ray_intersect_preliminary(way, coherent=False)
         light, open_light, albedo, shining, distance = surface_light(
-            scene, shade, water, relief, way, u, has_lamps
+            scene, shade, water, relief, way, hit, u, has_lamps
         )
         if pair == BSDF_PAIR:
             depth = dr.minimum(distance, FAR) * dr.abs(direction.y)
             foam = dr.select(face.is_above, water.foam_share(face.p, depth), 0.0)
             passed, foamy = passed * (1.0 - foam), passed * foam
+        if pair == EMITTER_PAIR:
+            mirrored = _mirrored_sky(scene, water, face, ray, strata)
+            is_sky = face.is_above & ~dr.isfinite(distance)
+            shining = dr.select(is_sky, mirrored, shining)
         # The disc of the key light is in the glitter, which spreads it over the waves.
         is_key = (distance > KEY_LIGHT_FROM) & dr.isfinite(distance) & (face.is_above != is_under)
         shining = dr.select(is_key, 0.0, shining)
@@ -136,6 +141,21 @@ def _before(air: Air | None, water: Water, ray: Any, distance: Any) -> Any:
     if air is not None:
         passed *= dr.select(is_below, 1.0, passed_air(air, ray, distance))
     return passed
+
+
+def _mirrored_sky(scene: Any, water: Water, face: Interface, ray: Any, strata: StepStrata) -> Any:
+    """Return the light of the sky in waves that are too short to be seen one by one."""
+    sky = emitters_of(scene).environment()
+    if sky is None:
+        return mi.Color3f(0.0)
+
+    def radiance(direction: Any) -> Any:
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        si.wi = -direction
+        return sky.eval(si)
+
+    passes = strata.grid[0] * strata.grid[1]
+    return water.mirrored(face, ray, radiance, strata.k, passes)
 
 
 def _sun_glitter(

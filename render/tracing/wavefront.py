@@ -9,8 +9,9 @@ how the work is laid out, which decides the speed on a CPU:
   memory, those of a small square of pixels, go to the same part of the sphere.
 - A pass is traced in Python once and then replayed, until the scene changes.
 - Direct light on visible surfaces, and their albedo, are sharp and cheap; sky light and indirect
-  light are soft and expensive. So direct light has samples of its own, several for each path,
-  and both are returned apart; for a preview, indirect light is an image half as wide and high.
+  light are soft and expensive. So direct light has several samples for each path, and both are
+  returned apart; for a preview, indirect light is an image half as wide and high. Paths start
+  where one of the samples of their pixel met a surface (`path_starts`).
 - Haze lies between the camera and what it sees; reflections and light on its way do without.
 - Clouds dim the key light wherever it arrives.
 - Water is a surface of its own (`water`): rays from the camera go on from it in two directions,
@@ -41,6 +42,7 @@ from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
 from render.tracing.emitter_choice import emitter_sample, has_one_lamp
 from render.tracing.haze import Air
+from render.tracing.path_starts import PathStarts, StartLanes
 from render.tracing.scene_pair import ScenePair, emitters_of
 from render.tracing.sky_relief import SkyRelief, sky_share
 from render.tracing.stratification import (
@@ -130,6 +132,7 @@ class Wavefront(Tracer):
         self.direct_samples = 1 if half else RAYS_PER_PATH
         self.direct = PixelLanes(size)
         self.indirect = PixelLanes((size[0] // 2, size[1] // 2)) if half else self.direct
+        self._lanes = StartLanes.of(self.direct, self.indirect)
         sky = scene.environment()
         self._samples_sky = sky is not None and sky.sampling_weight() > 0.0
         self.keeps_open_light = half and has_one_lamp(scene)
@@ -156,9 +159,9 @@ class Wavefront(Tracer):
         """Number of recordings of each stage since the scene changed."""
         return {name: stage.n_recordings for name, stage in self._stages.items()}
 
-    def accumulator(self) -> Accumulator:
-        """Return an empty accumulator."""
-        return _Accumulator(self)
+    def accumulator(self, kept_distances: int = 0) -> Accumulator:
+        """Return an empty accumulator; see `Tracer.accumulator`."""
+        return _Accumulator(self, kept_distances)
 
     def scene_changed(self) -> None:
         """Forget the recordings.
@@ -176,30 +179,63 @@ class Wavefront(Tracer):
             self.scene_changed()
             self._total = passes
 
-    def add_direct(self, view: CameraView, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
-        """Return the sums of direct light, albedo and air with a sample more of every pixel."""
+    def add_direct(
+        self,
+        view: CameraView,
+        chunk: int,
+        strata: PassStrata,
+        sums: Sums,
+        starts: PathStarts,
+        distances: Any = None,
+    ) -> Sums:
+        """Return the sums of direct light, albedo and air with a sample more of every pixel.
+
+        Args:
+            view: the camera.
+            chunk: number of the chunk of `direct`.
+            strata: of the pass.
+            sums: of the chunk.
+            starts: of the paths, to which those of this pass are written.
+            distances: of all pixels, to which those of the chunk are written, or None.
+        """
+        pixels = self.direct.chunks[chunk]
         ray, held = view.rays(pixels, self.direct.size, strata, self._has_still)
         around = self._scene, self._air, self.shade, self._water, self._relief
         has_lamps, step = self._depth > 1, strata.step(1)
-        *added, meets_water = self._add_direct(*around, pixels, ray, held, has_lamps, sums, step)
+        *added, meets_water, origin, way, hit = self._add_direct(
+            *around, pixels, ray, held, has_lamps, sums, step
+        )
+        # Not recorded: a replay would copy all starts before it writes to them.
+        lanes = self._lanes.of_pass(chunk, pixels, strata.k, self.direct_samples)
+        starts.write(origin, way, hit, *lanes)
+        if distances is not None:
+            dr.scatter(distances, dr.select(hit.is_valid(), hit.t, dr.inf), pixels)
         if self._water is None:
             return tuple(added)
-        lanes = mi.UInt32(dr.compress(meets_water))
-        if dr.width(lanes) == 0:
+        wet = mi.UInt32(dr.compress(meets_water))
+        if dr.width(wet) == 0:
             return tuple(added)
-        rays = dr.gather(mi.UInt32, pixels, lanes), dr.gather(mi.Ray3f, ray, lanes)
-        return self._add_water(*around, lanes, *rays, has_lamps, added, strata.step(2))
+        rays = dr.gather(mi.UInt32, pixels, wet), dr.gather(mi.Ray3f, ray, wet)
+        return self._add_water(*around, wet, *rays, has_lamps, added, strata.step(2))
 
-    def add_indirect(self, view: CameraView, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
-        """Return the sums of indirect light and albedo with one more path of every pixel."""
+    def add_indirect(self, chunk: int, strata: PassStrata, sums: Sums, starts: PathStarts) -> Sums:
+        """Return the sums of indirect light and albedo with one more path of every pixel.
+
+        Args:
+            chunk: number of the chunk of `indirect`.
+            strata: of the pass.
+            sums: of the chunk.
+            starts: of all paths of the pass.
+        """
         if self._depth == 1:
             return sums
+        pixels = self.indirect.chunks[chunk]
         count = dr.width(pixels)
         # Full width, although all are equal, so that later steps share the kernel of the first.
         initial = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        ray, held = view.rays(pixels, self.indirect.size, strata, self._has_still)
+        first = dr.opaque(mi.UInt32, self.indirect.first_lane(chunk))
         around = self._scene, self._air, self._water
-        paths, goes_on = self._start_paths(*around, pixels, ray, held, initial, strata.step(0))
+        paths, goes_on = self._start_paths(*around, pixels, starts, first, initial, strata.step(0))
         for step in range(1, self._depth):
             live = mi.UInt32(dr.compress(goes_on))
             if dr.width(live) == 0:
@@ -221,8 +257,8 @@ class Wavefront(Tracer):
 class _Accumulator(Accumulator):
     """Sums direct samples and paths apart, chunk by chunk of the image."""
 
-    def __init__(self, tracer: Wavefront) -> None:
-        self._tracer = tracer
+    def __init__(self, tracer: Wavefront, kept_distances: int) -> None:
+        self._tracer, self._kept_distances = tracer, kept_distances
         self._direct = tracer.direct.zero_sums(4 if tracer.keeps_open_light else 3)
         self._indirect = tracer.indirect.zero_sums(2)
         self._passes = 0
@@ -233,14 +269,21 @@ class _Accumulator(Accumulator):
         tracer.set_total(total)
         count = tracer.direct_samples
         grids = stratum_grid(count * total), stratum_grid(total)
-        for i, pixels in enumerate(tracer.direct.chunks):
-            for k in range(count * passes.start, count * passes.stop):
-                strata = PassStrata(seed + 1, k, grids[0])
-                self._direct[i] = tracer.add_direct(view, pixels, strata, self._direct[i])
-        for i, pixels in enumerate(tracer.indirect.chunks):
-            for k in passes:
-                strata = PassStrata(seed, k, grids[1])
-                self._indirect[i] = tracer.add_indirect(view, pixels, strata, self._indirect[i])
+        direct, indirect = self._direct, self._indirect
+        starts = PathStarts.of(tracer.indirect.count)
+        for k in passes:
+            for sample in range(count * k, count * (k + 1)):
+                strata = PassStrata(seed + 1, sample, grids[0])
+                distances = None
+                if count * total == self._kept_distances:
+                    distances = dr.zeros(mi.Float, tracer.direct.count)
+                    self.distances += (distances,)
+                for i in range(len(direct)):
+                    added = view, i, strata, direct[i], starts, distances
+                    direct[i] = tracer.add_direct(*added)
+            strata = PassStrata(seed, k, grids[1])
+            for i in range(len(indirect)):
+                indirect[i] = tracer.add_indirect(i, strata, indirect[i], starts)
         self._passes += len(passes)
 
     def layers(self) -> LightLayers:
@@ -276,11 +319,16 @@ def _add_direct(
     """Add visible surfaces with direct light, their albedo, and auxiliary layers.
 
     Returns:
-        The sums, and whether rays meet water first; then they have what lies before it alone.
+        The sums; whether rays meet water first, and then they have what lies before it alone; the
+        rays; and what they meet.
     """
     u = sample_2d(pixels, strata, EMITTER_PAIR), sample_1d(pixels, strata)
+    if held is None:
+        hit = scene.ray_intersect_preliminary(ray, coherent=True)
+    else:
+        ray, hit = scene.first_hit(ray, held, coherent=True)
     light, open_light, albedo, shining, distance = surface_light(
-        scene, shade, water, relief, ray, u, has_lamps, held=held, coherent=True
+        scene, shade, water, relief, ray, hit, u, has_lamps, coherent=True
     )
     meets = mi.Bool(False)
     if water is not None:
@@ -301,7 +349,8 @@ def _add_direct(
         shining = shining * passed + air.scattered(ray.d) * (1.0 - passed)
     added = light, albedo, shining, open_light
     # Light without shadows is not always asked for.
-    return *(total + value for total, value in zip(sums, added, strict=False)), meets
+    totals = (total + value for total, value in zip(sums, added, strict=False))
+    return *totals, meets, ray.o, ray.d, hit
 
 
 def _start_paths(
@@ -309,16 +358,25 @@ def _start_paths(
     air: Air | None,
     water: Water | None,
     pixels: Any,
-    ray: Any,
-    held: Any,
+    starts: PathStarts,
+    first: Any,
     initial: tuple[Any, Any],
     strata: StepStrata,
 ) -> tuple[Paths, Any]:
+    """Return paths with their first segments, and whether these meet a surface.
+
+    Args:
+        scene: of Mitsuba, or a `ScenePair`.
+        air: haze before the camera, None without any.
+        water: of the scene, None without any.
+        pixels: of the paths.
+        starts: of all paths.
+        first: place of the first of these among them.
+        initial: throughput and density, of full width.
+        strata: of the step.
+    """
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
-    if held is None:
-        hit = scene.ray_intersect_preliminary(ray, coherent=True)
-    else:
-        ray, hit = scene.first_hit(ray, held, coherent=True)
+    ray, hit = starts.read(first + lanes)
     weight, pdf = initial
     if water is not None:
         ray, hit, passed = beyond_water(scene, air, water, ray, hit, sample_1d(pixels, strata))

@@ -143,5 +143,7 @@ def test_touches_of_a_dance_are_on_the_beats_of_the_file(name: str, rate: Any) -
     onsets = [note.onset for note in notes if not note.event.is_passing]
     # Hands that brush past each other or past the head on their way are not meant.
     assert len(onsets) >= 0.6 * len(notes)
-    meant = np.abs(plan.grid_distances(onsets, Fraction(1, 4)))
-    assert (meant <= 0.5 + 1e-9).mean() >= 0.95
+    # A touch is a little ahead of its beat, and heard with the first frame that shows it.
+    late = plan.grid_distances(onsets, Fraction(1, 4))
+    assert (np.abs(late) < 1.0).mean() >= 0.95
+    assert np.ptp(np.quantile(late, [0.05, 0.95])) < 1.0 + 1e-9

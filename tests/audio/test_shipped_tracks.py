@@ -27,8 +27,7 @@ SCENES = [
 ]
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", SCENES)
 def test_tracks_of_shipped_scenes_have_their_onsets_and_loudness(
     name: str, read_wav: Any, tmp_path: Path

@@ -16,7 +16,6 @@ from typing import Any
 
 import pytest
 
-from tests.interrupts import hear_interrupts
 from tests.production.conftest import ROOT, TINY
 from tests.production.killed_runs import contents_of
 
@@ -144,7 +143,6 @@ def test_ctrl_c_ends_a_cluster_of_its_own(rendered: Path, tmp_path: Path) -> Non
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=hear_interrupts,
     )
     frames = tmp_path / "store/frames"
     deadline = time.monotonic() + 300

@@ -24,7 +24,6 @@ from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene
-from tests.interrupts import hear_interrupts
 from tests.production.killed_runs import contents_of
 
 FRAMES = 8
@@ -212,7 +211,6 @@ class Running:
                 text=True,
                 # A process group, as of a terminal, so that Ctrl-C reaches the workers too.
                 start_new_session=True,
-                preexec_fn=hear_interrupts,
             )
 
     def interrupt(self) -> None:

@@ -13,8 +13,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from tests.interrupts import hear_interrupts
-
 ROOT = Path(__file__).parents[2]
 
 LIMIT = 120.0
@@ -60,7 +58,7 @@ def _lines(command: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
     with (folder / "errors.txt").open("w+", encoding="utf-8", errors="replace") as errors:
         process = subprocess.Popen(
             command, env=env, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=errors, text=True, preexec_fn=hear_interrupts,
+            stderr=errors, text=True,
         )  # fmt: skip
         lines: queue.Queue[Any] = queue.Queue()
         reader = threading.Thread(target=_read, args=(process, lines), daemon=True)

@@ -35,6 +35,7 @@ def light_of(renderer: Renderer, shot: Shot) -> NDArray[np.float32]:
     return renderer.render(shot).light
 
 
+@pytest.mark.nightly
 def test_a_still_scene_looks_as_without_blur(renderer: Renderer, make_shot: Make) -> None:
     """The samples of a frame are spread over its moments, and none is taken twice."""
     still = make_shot(film=Film(size=(64, 48), samples=12, depth=3, denoise="off"))

@@ -62,8 +62,7 @@ def test_lamps_add_up(renderer: Renderer) -> None:
     )
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", [{}, {"radius": 0}, {"spot": {"toward": [0, 0, 0]}}])
 def test_a_lamp_moved_in_place_equals_a_fresh_build(
     renderer: Renderer, backend: Backend, make_shot: Make, kind: dict[str, object]

@@ -59,8 +59,7 @@ def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
     )
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "depth", [1.0, *(pytest.param(d, marks=pytest.mark.nightly) for d in (1.5, 2.0, 3.0)), 6.0]
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,17 @@ from render.color import luminance
 from render.config import Light, Sun, light
 from render.lights.sun_position import sun_direction, sun_elevation_deg
 
+if TYPE_CHECKING:
+    from render.lights.environment_emitters import Surroundings
+
 GROUND = (0.3, 0.26, 0.21)
+
+
+def sky_map(found: Surroundings) -> np.ndarray:
+    """Return the map of the sky as the film begins, (H, W, 3)."""
+    if found.drifting is not None:
+        return np.asarray(found.drifting.image(0.0), np.float64)
+    return np.array(found.emitters["sky"]["bitmap"], np.float64)[..., :3]
 
 
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
@@ -18,8 +30,8 @@ def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     from render.lights.environment_emitters import surroundings
     from render.lights.environment_map import irradiance
 
-    found = surroundings(lit, GROUND).emitters
-    sky = np.array(found["sky"]["bitmap"], np.float64)[..., :3]
+    around = surroundings(lit, GROUND)
+    found, sky = around.emitters, sky_map(around)
     total = []
     for normal in (np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])):
         sent = irradiance(sky, normal)
@@ -110,7 +122,7 @@ def sky_of(hour: float, clouds: object, width: int = 512) -> np.ndarray:
     from render.lights.environment_emitters import surroundings
 
     found = surroundings(light({"sun": {"hour": hour, "clouds": clouds}}), GROUND, width)
-    return np.array(found.emitters["sky"]["bitmap"], np.float64)[..., :3]
+    return sky_map(found)
 
 
 def test_clouds_are_bright_towards_the_sun_and_dark_below(backend: Backend) -> None:

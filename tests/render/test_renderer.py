@@ -68,6 +68,7 @@ def test_shadows_of_the_sun_are_denoised_where_samples_are_few(
     assert seen == [expected]
 
 
+@pytest.mark.nightly
 def test_denoised_frames_repeat(renderer: Renderer, backend: Backend, make_shot: Make) -> None:
     film = Film(size=(64, 48), samples=2, depth=3, denoise="fast")
     first = renderer.render(make_shot(film=film)).light
@@ -150,6 +151,7 @@ def test_collapsed_triangles_stay_finite(renderer: Renderer, make_shot: Make) ->
     assert np.isfinite(renderer.render(hidden).light).all()
 
 
+@pytest.mark.nightly
 def test_only_warned_faces_are_red(
     renderer: Renderer, make_shot: Make, make_ground: Callable[..., Mesh]
 ) -> None:
@@ -252,7 +254,7 @@ def test_pixels_repeat_in_other_processes_threads_and_caches(tmp_path: Path) -> 
     assert _alone(2, home=tmp_path) == first
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_memory_stays_flat_over_many_frames(renderer: Renderer, make_shot: Make) -> None:
     def resident() -> float:
         return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20
@@ -266,7 +268,7 @@ def test_memory_stays_flat_over_many_frames(renderer: Renderer, make_shot: Make)
     assert resident() - before < 8
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_scalar_variant_renders() -> None:
     code = _ALONE.replace("choose()", "choose('scalar')")
     child = subprocess.run(

@@ -542,6 +542,7 @@ def test_boards_end_at_other_places_in_each_row(renderer: Renderer) -> None:
     assert len(np.unique(np.round(ends, 2))) > 30
 
 
+@pytest.mark.nightly
 def test_worn_ground_shows_soil_in_its_place(renderer: Renderer, make_shot: Make) -> None:
     if renderer.backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant shows no worn ground")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import trimesh
 
 from render.backend import Backend
@@ -52,6 +53,7 @@ def test_only_vertices_on_seams_are_doubled() -> None:
     assert len(unwrapped.source) < 1.4 * len(solid.vertices)
 
 
+@pytest.mark.nightly
 def test_a_pattern_moves_with_the_body(backend: Backend) -> None:
     """Body and camera moved together show the same frame, under a sky without a sun."""
     solid = ball()

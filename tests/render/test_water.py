@@ -161,3 +161,48 @@ def test_shafts_of_light_lean_with_the_refracted_sun_and_keep_the_mean(renderer:
     assert share.min() > 0.3
     assert share.mean() == pytest.approx(1.0, abs=0.35)
     assert share.std() > 0.1
+
+
+def test_waves_below_a_pixel_mirror_the_mean_of_what_their_slopes_mirror(
+    renderer: Renderer,
+) -> None:
+    """A flat ray far out meets them all: as many random slopes give the same light."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from render.tracing.water import Water as Optics
+
+    optics = Optics.of(surface(preset="lake"), np.ones(3), 1.7)
+    down = math.radians(2.0)
+    ray = mi.Ray3f(mi.Point3f(0.0, 30.0, 0.0), mi.Vector3f(0.0, -math.sin(down), math.cos(down)))
+    face = optics.interface(ray, optics.crossing(ray))
+    roughness = float(np.array(face.roughness)[0])
+    assert roughness > 1e-3
+
+    def seen(passes: int) -> float:
+        looks = [
+            optics.mirrored(face, ray, lambda d: mi.Color3f(dr.exp(-8.0 * d.y)), k, passes)
+            for k in range(passes)
+        ]
+        return float(np.mean([np.array(look)[0] for look in looks]))
+
+    slopes = np.random.default_rng(3).normal(0.0, math.sqrt(roughness / 2.0), (2, 400_000))
+    mean = np.array([np.array(face.unbent.x)[0], np.array(face.unbent.z)[0]])
+    slopes += (mean / float(np.array(face.unbent.y)[0]))[:, None]
+    n = np.stack([slopes[0], np.ones(slopes.shape[1]), slopes[1]])
+    n /= np.linalg.norm(n, axis=0)
+    way = np.array([0.0, -math.sin(down), math.cos(down)])
+    cosine = -(way @ n)
+    is_seen = cosine > 0.005
+    cosine, n = cosine[is_seen], n[:, is_seen]
+    up = np.abs(way[1] + 2.0 * cosine * n[1])
+    inside = np.sqrt(1.0 - (1.0 - cosine**2) / 1.333**2)
+    across = (cosine - 1.333 * inside) / (cosine + 1.333 * inside)
+    along = (1.333 * cosine - inside) / (1.333 * cosine + inside)
+    weight = cosine / n[1] * 0.5 * (across**2 + along**2)
+    expected = float((weight * np.exp(-8.0 * up)).sum() / weight.sum())
+    assert seen(8) == pytest.approx(expected, rel=0.01)
+    assert seen(2) == pytest.approx(expected, rel=0.03)
+    # A mirror that is only tilted towards the camera would show what is lower in the sky.
+    flat = math.exp(-8.0 * math.sin(down))
+    assert expected < 0.8 * flat

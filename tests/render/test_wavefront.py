@@ -167,7 +167,7 @@ def test_passes_of_a_frame_replay_one_recording(renderer: Renderer, make_shot: M
         assert set(counts.values()) == {1}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_roulette_loses_no_light(renderer: Renderer, make_shot: Make) -> None:
     from render.mitsuba_scene import MitsubaScene
     from render.tracing.wavefront import Wavefront
@@ -187,6 +187,7 @@ def test_roulette_loses_no_light(renderer: Renderer, make_shot: Make) -> None:
     assert half == pytest.approx(full, rel=0.004)
 
 
+@pytest.mark.nightly
 def test_passes_may_be_added_in_parts(renderer: Renderer, make_shot: Make) -> None:
     from render.mitsuba_scene import MitsubaScene
 
@@ -313,6 +314,7 @@ def test_scenery_stands_still_while_the_rest_moves(renderer: Renderer, make_shot
     )
 
 
+@pytest.mark.nightly
 def test_a_gpu_holds_scenery_and_the_rest_in_one_scene(
     renderer: Renderer, make_shot: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:

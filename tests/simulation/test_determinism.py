@@ -121,6 +121,7 @@ def test_frame_rate_does_not_change_the_motion(scene_of: SceneOf, terrain: str) 
     assert np.allclose(times[0], times[1], atol=near)
 
 
+@pytest.mark.nightly
 def test_finer_steps_converge_to_the_same_motion(scene_of: SceneOf) -> None:
     coarse, fine = (
         simulate(scene_of(BUG, terrain=ROUGH, more=f"{{steps: {n}}}"[1:-1])) for n in (4, 16)

@@ -16,7 +16,6 @@ import pytest
 import pipeline
 from pipeline.errors import UsageError
 from pipeline.studio.server import listener, serve
-from tests.interrupts import hear_interrupts
 
 ROOT = Path(pipeline.__file__).parents[1]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -35,7 +34,6 @@ def test_it_serves_the_folder_until_ctrl_c(tmp_path: Path) -> None:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=hear_interrupts,
     ) as child:
         assert child.stdout is not None
         address = urlsplit(child.stdout.readline().strip())

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.production.edging.facade import RAILED, WINDOWS, Facade
+from pipeline.production.edging.glazing import GLAZINGS, SHOP_GLAZING, Glazing, dressing
 from pipeline.production.surroundings.lattice_noise import hashed
 from pipeline.simulation.spatial import Array
 
@@ -146,11 +147,12 @@ class House(Facade):
         up = foot + 0.5 * (opening.low + opening.high)
         self._inside(middle, foot, opening, wood)
         # Surround, lintel and sill stand out of the wall.
-        for side in (-1.0, 1.0):
-            self.add(
-                "hewn stone", (middle + side * (0.5 * wide + 0.07), up, 0.0), (0.14, tall, 0.08)
-            )
-        self.add("hewn stone", (middle, foot + opening.high + 0.09, 0.0), (wide + 0.34, 0.18, 0.12))
+        if self._glazing.has_surround or opening.kind != "window":
+            top = foot + opening.high + 0.09
+            for side in (-1.0, 1.0):
+                at = (middle + side * (0.5 * wide + 0.07), up, 0.0)
+                self.add("hewn stone", at, (0.14, tall, 0.08))
+            self.add("hewn stone", (middle, top, 0.0), (wide + 0.34, 0.18, 0.12))
         if opening.kind != "door":
             self.add(
                 "hewn stone", (middle, foot + opening.low - 0.05, 0.05), (wide + 0.36, 0.1, 0.24)
@@ -168,8 +170,6 @@ class House(Facade):
         """Add a door, or panes in their frame."""
         wide, tall = opening.wide, opening.high - opening.low
         up = foot + 0.5 * (opening.low + opening.high)
-        frame = wood if opening.kind != "window" else "window frame"
-        bar = 0.075
         if opening.kind == "door":
             self.add(wood, (middle, foot + 1.05, -0.2), (wide, 2.1, 0.06))
             for k in (-1, 1):
@@ -179,18 +179,20 @@ class House(Facade):
             self.add("hewn stone", (middle, foot + 2.12, -0.18), (wide, 0.07, 0.1))
         else:
             self.add(self._pane(middle, foot), (middle, up, -0.27), (wide, tall, 0.02))
-            if opening.kind == "window" and self.rng.uniform() < 0.7:
-                drawn = float(self.rng.uniform(0.2, 0.38)) * wide
-                for side in (-1.0, 1.0):
-                    at = middle + side * 0.5 * (wide - drawn)
-                    self.add("curtain", (at, up, -0.255), (drawn, tall, 0.01))
-            count = max(round(wide / 0.55), 1)
-            for k in range(count + 1):
-                at = middle + (k / count - 0.5) * (wide - bar)
-                self.add(frame, (at, up, -0.22), (bar, tall, 0.06))
-            for t in (0.0, 0.68, 1.0):
-                high = foot + opening.low + 0.5 * bar + t * (tall - bar)
-                self.add(frame, (middle, high, -0.22), (wide, bar, 0.055))
+            glazing = self._glazing if opening.kind == "window" else SHOP_GLAZING
+            boxes = glazing.bars(wide, tall, wood)
+            if opening.kind == "window":
+                boxes += dressing(float(self.rng.uniform()), self.rng, wide, tall)
+            for material, (along, over, before), size in boxes:
+                at = (middle + along, foot + opening.low + over, before)
+                self.add(material, at, size)
+
+    @property
+    def _glazing(self) -> Glazing:
+        """How its windows are made; by its place, so that the rest of the house is the same."""
+        place = np.rint(100.0 * self.place).astype(np.int32)
+        (number,) = hashed(place[:1], place[1:], self.windows)
+        return GLAZINGS[int(number * len(GLAZINGS))]
 
     def _pane(self, middle: float, foot: float) -> str:
         """Return the material of the panes of a window: somebody is at home behind some of them."""

@@ -47,6 +47,8 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     # By day one does not see that somebody is at home.
     "lit pane": PANE,
     "curtain": Material.model_validate({"color": "#cfc8b6", "roughness": 0.9}),
+    "blind": _dull("#b9a27a", 0.85, "weave"),
+    "net": Material.model_validate({"color": "#a8a79f", "roughness": 0.95}),
     "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }

@@ -62,7 +62,7 @@ class Habit:
 
 HABITS = (
     Habit(
-        *(6.6, 0.115, 1.7, 34, 0, 25, 3.1, 0.85, (1.35, -0.45), 1.55, 4),
+        *(6.6, 0.115, 1.7, 62, 0, 25, 3.1, 0.85, (1.35, -0.45), 1.55, 4),
         *((0.105, 0.165, 0.040), (0.250, 0.290, 0.080), (0.26, 0.215, 0.165)),
     ),
     Habit(
@@ -70,18 +70,22 @@ HABITS = (
         *((0.110, 0.150, 0.060), (0.215, 0.245, 0.105), (0.20, 0.150, 0.105)),
     ),
     Habit(
-        *(5.6, 0.14, 0.45, 30, 0, 34, 1.15, 0.95, (1.35, -0.60), 0.35, 12),
+        *(5.6, 0.14, 0.45, 52, 0, 34, 1.15, 0.95, (1.35, -0.60), 0.35, 12),
         *((0.095, 0.150, 0.045), (0.220, 0.265, 0.085), (0.21, 0.170, 0.125), True),
     ),
     Habit(
-        *(5.4, 0.105, 2.3, 30, 0, 21, 2.7, 0.95, (1.25, -0.25), 1.75, 3),
+        *(5.4, 0.105, 2.3, 54, 0, 21, 2.7, 0.95, (1.25, -0.25), 1.75, 3),
         *((0.120, 0.175, 0.042), (0.265, 0.295, 0.085), (0.28, 0.235, 0.180)),
     ),
 )
 """Coconut, date and fan palm, and a coconut palm bent by the wind."""
 
-SCAR = (0.66, 0.96)
-"""Least and greatest lightness of bark above a scar, relative to that below the next."""
+SCAR, LIP = (0.62, 0.92), 0.14
+"""Least and greatest lightness of the lip below a scar, relative to the bark, and its share of the
+way to the next."""
+
+WORN, PATCH = (0.86, 1.12), 8
+"""Least and greatest lightness of patches of bark, and their length, in rings."""
 
 BOOT_OUT, BOOT_LONG, BOOT_DOWN = 0.24, 0.75, 1.1
 """How far the tip of a stub stands out relative to the radius of the trunk, and how far it reaches
@@ -135,22 +139,40 @@ def _add_trunk(shape: Shape, habit: Habit, rng: np.random.Generator, level: int)
     # Leaves follow each other faster in good years.
     t = np.concatenate([[0.0], np.cumsum(rng.uniform(0.6, 1.4, n))])[:, None]
     t = t / t[-1]
+    if not habit.boots:
+        # Each leaf leaves a narrow lip around the trunk.
+        lips = t[:-1] + LIP * np.diff(t, axis=0)
+        t, n = np.sort(np.concatenate([t, lips]), axis=0), 2 * n
     turn = rng.uniform(0.0, 2.0 * np.pi)
     lean = habit.lean * rng.uniform(0.6, 1.0) * np.array([np.cos(turn), 0.0, np.sin(turn)])
     # It sets out askew and straightens to the light.
     points = habit.height * t * UP + (1.45 * t - 0.45 * t**2.2) * lean
     radii = habit.radius * (1.0 + 0.35 * (1.0 - t[:, 0]) + 0.75 * np.exp(-t[:, 0] / 0.045))
-    radii = radii * (1.0 + 0.025 * rng.normal(size=n + 1))
+    radii = radii * (1.0 + (0.025 if habit.boots else 0.01) * rng.normal(size=n + 1))
     ways = unit(np.diff(points, axis=0))
     rings = unit(np.concatenate([ways[:1], ways[:-1] + ways[1:], ways[-1:]]))
-    bark = np.asarray(habit.bark) * rng.uniform(0.88, 1.08, (n, 1))
-    # Below each scar lies its shadow; between stubs it is dark all along.
-    scar = rng.uniform(*SCAR, (n, 1))
-    light = np.full((n, 1), 0.4) if habit.boots else np.full((n, 1), 1.06)
-    shades = np.stack([0.4 * bark if habit.boots else scar * bark, light * bark], axis=1)
+    tilt = 0.06 * rng.normal(size=(n + 1, 3))
+    if habit.boots:
+        # Between stubs it is dark all along.
+        bark = np.asarray(habit.bark) * rng.uniform(0.88, 1.08, (n, 1))
+        shades = np.stack([0.4 * bark, 0.4 * bark], axis=1)
+    else:
+        # A lip stands out at its upper edge, and both of its edges lie askew alike.
+        tilt = np.repeat(tilt[::2], 2, axis=0)[: n + 1]
+        radii = radii * np.resize([0.97, 1.03], n + 1)
+        rings = unit(rings + tilt)
+        # It weathers in long patches; the lips are dark below and worn pale above.
+        knots = np.arange(0, n + PATCH, PATCH)
+        worn = np.interp(np.arange(n), knots, rng.uniform(*WORN, len(knots)))
+        bark = np.asarray(habit.bark) * worn[:, None]
+        scar = rng.uniform(*SCAR, (n, 1))
+        is_lip = (np.arange(n) % 2 == 0)[:, None]
+        shades = np.stack(
+            [np.where(is_lip, scar, 0.98) * bark, np.where(is_lip, 1.06, 1.0) * bark], axis=1
+        )
     add_tubes(
         *(shape, points[:-1], points[1:], radii[:-1], radii[1:], shades, (18, 9)[level]),
-        (unit(rings[:-1] + 0.06 * rng.normal(size=(n, 3))), rings[1:]),
+        (unit(rings[:-1] + tilt[:-1]) if habit.boots else rings[:-1], rings[1:]),
     )
     if habit.boots:
         _add_boots(shape, habit, rng, points, rings, radii, level)

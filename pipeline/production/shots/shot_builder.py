@@ -219,7 +219,6 @@ class ShotBuilder:
         has_footprints = self._scene.terrain.footprints
         poses = tuple(pose for cut in self._filmed for pose in cut.poses)
         spares = bool(self._scatter.wanted or self._edging)
-        hearths = Hearths.of(self._scene, self._land.field)
         rain = self._scene.light.weather.rain
         grows = any(
             len(mesh.hair) or holds_beads(mesh, self.materials[part.material], rain)
@@ -230,7 +229,7 @@ class ShotBuilder:
         return FilmTracks(
             poses,
             footprint_timeline(self.take, texture) if has_footprints else None,
-            clearings=Clearings.of(self.take, hearths) if spares else None,
+            clearings=Clearings.of(self.take, self._hearths) if spares else None,
             cuts=decisions,
             grain=finest_pixels(self.take, poses, height) if grows else np.zeros(0),
         )
@@ -318,8 +317,12 @@ class ShotBuilder:
             *(self._scene, self.take, self._drawn, self._land, self._around, self._scatter),
             *(self._edging, self.materials, self._terrain, self._floor, self._puddles),
             *(self._water, FilmView.of(self.poses, self._aspect), self.tracks.clearings),
-            self.film.size[0],
+            *(self._hearths, self.film.size[0]),
         )
+
+    @cached_property
+    def _hearths(self) -> Hearths:
+        return Hearths.of(self._scene, self._land.field)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
         """Return the puddles on natural ground or paving, None without any."""

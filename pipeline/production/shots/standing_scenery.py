@@ -74,6 +74,7 @@ class StandingScenery:
         water: over the ground, None without any.
         view: of the cameras of the film.
         clearings: where performers are, None where nothing is scattered.
+        hearths: of its fires.
         width: of the frame in pixels.
     """
 
@@ -91,6 +92,7 @@ class StandingScenery:
     water: WaterSurface | None
     view: FilmView
     clearings: Clearings | None
+    hearths: Hearths
     width: int
 
     @property
@@ -179,11 +181,7 @@ class StandingScenery:
         ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
         track = Track.of(clearings, ahead, seed) if is_meadow else None
         is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
-        return Growth(seed, clearings, self.puddles, track, is_dry, self._hearths)
-
-    @cached_property
-    def _hearths(self) -> Hearths:
-        return Hearths.of(self.scene, self.land.field)
+        return Growth(seed, clearings, self.puddles, track, is_dry, self.hearths)
 
     def _worn(self, mesh: Mesh) -> Mesh:
         """Return ground with the bare soil on it."""
@@ -206,7 +204,7 @@ class StandingScenery:
     def _plants(self, horizon: Mesh, edging: Edging | None) -> list[Placed]:
         """Return the plants and stones over terrain and land."""
         ground = self.ground_surface(horizon, edging.apron if edging else None)
-        rings = hearth_stones(self._hearths, ground, self.view)
+        rings = hearth_stones(self.hearths, ground, self.view)
         also = (*(edging.placed if edging else ()), *([] if rings is None else [rings]))
         try:
             return placed_scenery(

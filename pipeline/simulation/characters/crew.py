@@ -28,6 +28,7 @@ from pipeline.simulation.characters.handling_tasks import (
     PUT_DOWN_GAP,
     PUT_DOWN_TIME,
 )
+from pipeline.simulation.characters.held_bar import nearest_standing_edge
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
@@ -262,9 +263,18 @@ class CarryEnd(Task):
                 controller.hold_member(crew.thing, (0, 1))
             else:
                 for k in range(2):
-                    controller.grip(k, controller.node_to_grip(owner, None, k))
+                    self._grip(controller, owner, k)
         elif len(controller.hands_holding(crew.thing)) < 2:
             crew.reason = crew.reason or f"{controller.name} has lost hold of it"
+
+    def _grip(self, controller: PersonController, owner: int, k: int) -> None:
+        """Close a hand around a character: of a box the edge that stands nearest."""
+        arrays = controller.view.arrays
+        if arrays.owners[owner].edge_radius > 0.0:
+            edge = nearest_standing_edge(arrays, owner, controller.hand(k))
+            controller.grip(k, edge.node, edge.far, edge.share)
+        else:
+            controller.grip(k, controller.node_to_grip(owner, None, k))
 
     def _unfit(self, controller: PersonController) -> str:
         """Return why the person cannot hold its end, "" if it can."""

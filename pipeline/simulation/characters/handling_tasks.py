@@ -23,7 +23,7 @@ from pipeline.simulation.characters.grasp import (
 )
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
-from pipeline.simulation.characters.person_tasks import Task, place_text
+from pipeline.simulation.characters.person_tasks import Task, place_text, shoulder_height
 from pipeline.simulation.characters.pursuit_tasks import CHASE_PATIENCE, TargetTask, WalkUp
 from pipeline.simulation.characters.standoff import (
     BOWED_RANGE,
@@ -220,9 +220,11 @@ class GrabMember(TargetTask):
     def _check_progress(
         self, controller: PersonController, distance: float, dt: float, reason: str
     ) -> None:
-        """Give up what comes no nearer."""
+        """Give up what comes no nearer; what hangs too high, without a second try."""
         if self.progress.update(distance, dt) > GRAB_PATIENCE:
+            lowest = float(controller.view.state(self.target).low[1])
             self.stick(f"{reason} at {place_text(controller)}")
+            self.is_stuck = lowest - shoulder_height(controller) < controller.arm
 
 
 @dataclass

@@ -1,10 +1,50 @@
-"""Held bar: where a grip holds a node or a bar, and a push of its ends."""
+"""Held bar: where a grip holds a node or a bar, which edge a hand takes, and a push of its ends."""
 
 from __future__ import annotations
 
-from pipeline.simulation.characters.body_arrays import IntArray
+from typing import NamedTuple
+
+import numpy as np
+
+from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
 from pipeline.simulation.dynamics.compiled import Records, entry
 from pipeline.simulation.spatial import Array
+
+UPRIGHT = 0.7  # cosine to the vertical from which an edge stands
+
+
+class HeldBar(NamedTuple):
+    """A place on a bar.
+
+    Attributes:
+        node: at one end.
+        far: node at the other end.
+        share: of the way from the one to the other.
+    """
+
+    node: int
+    far: int
+    share: float
+
+
+def nearest_standing_edge(arrays: CharacterArrays, owner: int, place: Array) -> HeldBar:
+    """Return the place nearest to a place (3,) [m] on the edges of a box that stand.
+
+    Of a box that lies askew, on all of its edges. Corners would be no holds: half-way up a box one
+    hand would take an upper one and the other hand a lower one, and the box would roll over.
+    """
+    first, count = arrays.owners[owner].links
+    links, p = arrays.links[first : first + count], arrays.p
+    ends = np.asarray(links["ends"])[links["radius"] > 0.0]
+    start, way = p[ends[:, 0]], p[ends[:, 1]] - p[ends[:, 0]]
+    squared = (way * way).sum(axis=1)
+    shares = np.clip(((place - start) * way).sum(axis=1) / squared, 0.0, 1.0)
+    offsets = np.linalg.norm(start + shares[:, None] * way - place, axis=1)
+    stands = way[:, 1] ** 2 > UPRIGHT * UPRIGHT * squared
+    if stands.any():
+        offsets[~stands] = np.inf
+    n = int(np.argmin(offsets))
+    return HeldBar(int(ends[n, 0]), int(ends[n, 1]), float(shares[n]))
 
 
 @entry

@@ -40,6 +40,7 @@ class HugShape:
     Attributes:
         chest_radius: of either of the two.
         back_depth: of a back behind the spine, where hands lie that cannot meet.
+        settled: by how much nearer hands come to a back once they are behind it.
         waist: height of the narrowest place of a trunk above the pelvis.
         hands_joined: distance of hands that join.
         reach: largest part of an arm's reach to go around with.
@@ -48,6 +49,7 @@ class HugShape:
 
     chest_radius: float = 0.075
     back_depth: float = 0.055
+    settled: float = 0.020
     waist: float = 0.085
     hands_joined: float = 0.06
     reach: float = 0.95
@@ -225,7 +227,9 @@ class Hug(Task):
         controller.embrace(self.owner)
         ahead = controller.direction_to(partner)
         right = np.array([-ahead[2], 0.0, ahead[0]])
-        full = HUG.chest_radius * self.size + 0.035 * person.height
+        # Hands that came nearer before they have passed the partner's arms would catch on them.
+        settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0) * HUG.settled
+        full = HUG.chest_radius * self.size + 0.035 * person.height - settled * self.size
         reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
         # First past the partner's sides, then together.
         closed = min(self.touched / HUG.closing_time, 1.0)

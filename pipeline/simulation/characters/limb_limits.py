@@ -98,14 +98,21 @@ def _move_of(node: Record) -> Vector:
 
 @compiled
 def limit_limb(nodes: Records, limb: Record) -> None:
-    """Turn a limb back into its cone, or its joint back to where it may point."""
+    """Turn a limb back into its cone, or its joint back to where it may point.
+
+    A limb out of its cone does both if its joint lies on something, which it would else be pressed
+    into at the end of the sub-step; in the air both at once would add energy.
+    """
     now = _posture(nodes, limb)
     if now.distance < TINY:
         return
     excess = _cone_excess(limb, now)
     if excess > 0.0:
         _close_limb(nodes, limb, now, excess)
-        return
+        joint = nodes[limb.joint]
+        if joint.ground_damping == 0.0 and joint.contact_damping == 0.0:
+            return
+        now = _posture(nodes, limb)
     chord = _joint_chord(limb, now)
     if dot(chord, chord) > TINY * TINY:
         _swing_joint(nodes, limb, now, chord)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.body_arrays import FREE, RESTING, IntArray
+from pipeline.simulation.characters.limb_limits import joint_excess
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 
 WATCH_INTERVAL = 0.25  # at which movement is measured [s]
@@ -21,13 +22,20 @@ WAKE_SPEED = 0.3  # of an approach that wakes [m/s]
 TIRED_COUNT = 8  # still intervals after which a tremor wakes nobody, or piles would never rest
 DEEP_OVERLAP = 0.004  # overlap that is given time to resolve [m]
 WEDGED_COUNT = 40  # still intervals after which it is not
+JOINT_EXCESS = 1e-6  # of a joint beyond its limit that is given the same time, in upper lengths
 UNTANGLE_TIME = 2.0  # for which overlapping links of one character are parted: where its joints
 # hold them together they would be thrown back for ever [s]
 
 
 @compiled
 def update_sleep(
-    nodes: Records, links: Records, owners: Records, grips: IntArray, h: float, dt: float
+    nodes: Records,
+    links: Records,
+    limbs: Records,
+    owners: Records,
+    grips: IntArray,
+    h: float,
+    dt: float,
 ) -> None:
     """Let still characters sleep, and wake those that are held; once a step."""
     for c in range(len(owners)):
@@ -40,7 +48,7 @@ def update_sleep(
             owner.self_penetrating = False
             owner.watch_time += dt
             if owner.watch_time >= WATCH_INTERVAL and not owner.acts:
-                _watch_movement(nodes, links, owner)
+                _watch_movement(nodes, links, limbs, owner)
     for n in range(len(grips)):
         if grips[n, 0] >= 0 and grips[n, 1] >= 0:
             for k in range(2):
@@ -125,7 +133,16 @@ def _fastest_move(nodes: Records, owner: Record) -> float:
 
 
 @inlined
-def _watch_movement(nodes: Records, links: Records, owner: Record) -> None:
+def _keeps_limits(nodes: Records, limbs: Records, owner: Record) -> bool:
+    """Tell whether all joints of a character point where they may."""
+    for n in range(owner.limbs[0], owner.limbs[0] + owner.limbs[1]):
+        if joint_excess(nodes, limbs[n]) > JOINT_EXCESS:
+            return False
+    return True
+
+
+@inlined
+def _watch_movement(nodes: Records, links: Records, limbs: Records, owner: Record) -> None:
     owner.watch_time = 0.0
     first, end = owner.nodes[0], owner.nodes[0] + owner.nodes[1]
     farthest, is_supported = 0.0, False
@@ -144,7 +161,8 @@ def _watch_movement(nodes: Records, links: Records, owner: Record) -> None:
         STILL_DISTANCE + STILL_DISTANCE_GAIN * owner.still_count, MAX_STILL_DISTANCE
     ):
         return
-    if owner.penetration > DEEP_OVERLAP and owner.still_count < WEDGED_COUNT:
+    is_settled = owner.penetration <= DEEP_OVERLAP and _keeps_limits(nodes, limbs, owner)
+    if not is_settled and owner.still_count < WEDGED_COUNT:
         return
     owner.asleep, owner.speed = True, 0.0
     for i in range(first, end):

@@ -142,7 +142,7 @@ def advance(
         control_people(arrays, persons, grid, workspace.solids, h, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
     _update_pain(arrays.links, arrays.owners, dt)
-    update_sleep(arrays.nodes, arrays.links, arrays.owners, arrays.grips, h, dt)
+    update_sleep(arrays.nodes, arrays.links, arrays.limbs, arrays.owners, arrays.grips, h, dt)
 
 
 @compiled

@@ -41,7 +41,8 @@ def body_surfaces(person: Proportions) -> dict[str, Surface]:
     ribs = 0.5 * (person.spine + person.shoulder)
     points = dict[str, tuple[str, Array, float, tuple[float, float, float]]]()
     for side, z in (("r", 1.0), ("l", -1.0)):
-        top = rest[f"shoulder_{side}"] + [0.0, -0.006, -0.05 * z]
+        # On the round of the shoulder: nearer to the neck a forearm would lie on the throat.
+        top = rest[f"shoulder_{side}"] + [0.0, -0.006, -0.038 * z]
         points[f"shoulder_{side}"] = ("chest", top, 0.030, (0.35, 1.0, 0.0))
         middle = np.array([0.0, ribs, 0.030 * z])
         points[f"ribs_{side}"] = ("chest", middle, 0.061, (1.0, 0.2, 0.3 * z))

@@ -58,6 +58,9 @@ NOD_DEG = (-115.0, 30.0, -68.0)
 HORN_RISE_DEG, HORN_TILT_DEG = 60.0, 40.0
 """Rest pitch of a horn that was drawn to the side, and how much more of one drawn backward."""
 
+HORN_PITCH_DEG, HORN_YAW_DEG = (-30.0, 150.0), 60.0
+"""How far a horn that stands tilts along the way it was drawn, and to either side of that."""
+
 SHOULDER_ROLL_DEG = (-35.0, 150.0, 6.0)
 """A mammal's shoulder inward, outward, and at rest, clear of the body."""
 
@@ -250,13 +253,16 @@ def _splay_deg(side: str, splay: float, steps: Array) -> float:
 
 
 def _standing_twig(steps: Array) -> list[dict[str, JointRange]]:
-    """Return the joints of a horn, which stands on its head wherever it was drawn to."""
-    ranges = _root_and_bends(HORN, len(steps))
+    """Return the joints of a horn, which stands on its head wherever it was drawn to.
+
+    It pitches before it yaws: upright it would lie along the axis of a yaw that came first, and
+    could not be turned aside.
+    """
+    root, *bends = _root_and_bends(HORN, len(steps))
     ahead = float(steps[0, 0] / max(np.linalg.norm(steps[0]), 1e-12))
-    pitch = replace(
-        ranges[0]["pitch"], preferred=math.radians(HORN_RISE_DEG - HORN_TILT_DEG * ahead)
-    )
-    return [{**ranges[0], "pitch": pitch}, *ranges[1:]]
+    pitch = range_in_degrees(*HORN_PITCH_DEG, HORN_RISE_DEG - HORN_TILT_DEG * ahead)
+    yaw = range_in_degrees(-HORN_YAW_DEG, HORN_YAW_DEG, 0)
+    return [{"pitch": pitch, "yaw": yaw, "roll": root["roll"]}, *bends]
 
 
 def _shoulder_roll(side: str) -> JointRange:

@@ -150,8 +150,8 @@ def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     shoulder = round_cone(
         (-0.001 * girth, top - 0.014 * girth, z - 0.004 * girth),
         (0.002 * girth, top - 0.050 * girth, z + 0.0015 * girth),
-        0.0246 * girth,
-        0.0282 * girth,
+        0.0236 * girth,
+        0.0264 * girth,
     )
     end = build.level(0.715 if short_sleeves else 0.500)
     depth = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, z)

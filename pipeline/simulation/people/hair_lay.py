@@ -8,11 +8,11 @@ import numpy as np
 
 from pipeline.simulation.combed_hair import combed
 from pipeline.simulation.figures.solids import vertex_normals
-from pipeline.simulation.people.head_mesh import Head
+from pipeline.simulation.people.head_mesh import CROWN, Head
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
 from pipeline.simulation.spatial import UP, Array, normalized
 
-LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun": 0.26}
+LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.40, "bun": 0.26}
 """Length of the strands by style, in heads. They overlap: long hair needs no longer."""
 
 LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 7.0, "long": 7.0, "bun": 6.0}
@@ -23,12 +23,19 @@ ROUND, SKULL = 0.5, (-0.05, 0.22)
 hangs. A strand is drawn as a bow over its chord: on a ball that chord goes into the ball by half
 the angle that the strand spans, or combed hair would stand off like straw."""
 
-CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
-"""Whorl from which hair goes out, and the knot to which it is drawn."""
+BUN = (-0.50, 0.24, 0.0)
+"""Knot to which hair is drawn."""
+
+CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 6.0
+"""Reach of the crown [heads], and how far hair stands off there: it is flatter than a ball, and
+chords into it would leave it bald."""
+
+PARTING, SWEPT = 0.11, 1.3
+"""How far a parting lies aside [heads], and how far short hair is combed over from it."""
 
 BROW_LENGTH = 0.021
 
-LOCK_TURNS: Mapping[str, float] = {"short": 0.24, "bob": 0.10, "long": 0.12, "bun": 0.05}
+LOCK_TURNS: Mapping[str, float] = {"short": 0.26, "bob": 0.20, "long": 0.20, "bun": 0.07}
 """How far locks turn from the lay by style, as a tangent: no outline of hair is smooth."""
 
 LOCK_LENGTH = 0.15
@@ -38,8 +45,15 @@ FRINGE, FRINGE_SPAN = 0.42, (0.02, 0.24)
 """Share of its length to which hair is cut over the face, and where along X that comes about."""
 
 
-def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
-    """Return the hair (V, 3) at the vertices of the hair's surface [m]."""
+def head_hair(head: Head, style: str, patch: SkinnedPatch, parting: float = 0.0) -> Array:
+    """Return the hair (V, 3) at the vertices of the hair's surface [m].
+
+    Args:
+        head: of the person.
+        style: of the hair.
+        patch: its surface.
+        parting: side of the parting, -1 on the left, 1 on the right.
+    """
     places, normals = patch.vertices, vertex_normals(patch.vertices, patch.faces)
     seen = (places - head.centre) / head.size
     if style == "bun":
@@ -50,15 +64,19 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
     else:
         flow = seen - np.array(CROWN) - (0.2 if style == "short" else 0.9) * UP
         # Parted over the face.
-        aside = 0.0 if style == "short" else 3.5
-        side = np.where(seen[:, 2] < 0.0, -1.0, 1.0) * np.maximum(seen[:, 0], 0.0)
-        flow[:, 2] += aside * side
+        aside = SWEPT if style == "short" else 3.5
+        off = seen[:, 2] - PARTING * parting
+        # Short hair is combed over from the parting, which it has on one side or not at all.
+        side = -parting * np.ones(len(off)) if style == "short" else np.where(off < 0.0, -1.0, 1.0)
+        flow[:, 2] += aside * side * np.maximum(seen[:, 0], 0.0)
     cut = 1.0 - (1.0 - FRINGE) * ramp(seen[:, 0], *FRINGE_SPAN)
     locks = _locks(seen)
     flow = normalized(flow) + LOCK_TURNS[style] * locks
     length = LENGTHS[style] * head.size * cut * (1.0 + LOCK_LENGTH * locks[:, 0])
     spanned = length / (ROUND * head.size) * ramp(seen[:, 1], *SKULL)
-    return combed(flow, normals, length, np.radians(LIFTS_DEG[style]) - 0.5 * spanned)
+    near = np.exp(-((np.linalg.norm(seen - np.array(CROWN), axis=-1) / CROWN_SIZE) ** 2))
+    lift = np.radians(LIFTS_DEG[style] + CROWN_LIFT_DEG * near)
+    return combed(flow, normals, length, lift - 0.5 * spanned)
 
 
 def _locks(places: Array) -> Array:

@@ -45,12 +45,14 @@ from pipeline.simulation.people.skinned_surface import (
     with_mirror,
 )
 from pipeline.simulation.people.tints import (
+    BEARD,
     BLUSH,
     HOLLOW,
     IRIS,
     LASH,
     LIMBUS,
     LIP,
+    PALE,
     PUPIL,
     SHEEN,
     TOOTH,
@@ -59,6 +61,10 @@ from pipeline.simulation.spatial import Array, normalized
 
 LEAST_MOVE = 4e-4
 """Least move of a vertex by a unit that is kept [heads]."""
+
+
+ADULT_HEAD = 0.05
+"""By how much larger the head of an adult is drawn: broad shoulders in clothes dwarf it."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +81,7 @@ class Head:
     def size(self) -> float:
         """Distance from chin to crown [m]."""
         p = self.build.proportions
-        return p.head_size * p.height
+        return p.head_size * p.height * (1.0 + ADULT_HEAD * (1.0 - self.build.childish))
 
     @property
     def centre(self) -> Array:
@@ -118,6 +124,9 @@ def head_skin(head: Head) -> SkinnedPatch:
 HOLLOW_REACH, HOLLOW_DARKNESS = 0.20, 0.62
 """Distance in which something shades skin [heads], and how dark that makes it at most."""
 
+BELOW_EYE = 0.6
+"""Share of such shade that is left out below the eyes: dark rings look tired."""
+
 CHIN_SHADE, CHIN_SPAN = 0.30, (-0.40, -0.55)
 """How dark the neck is below the chin, and heights between which that comes about [heads]."""
 
@@ -132,6 +141,8 @@ def _skin_shade(face: FaceShape, grid: FaceGrid) -> Array:
     solid = symmetric_field(face_field(face))
     closed = np.clip(1.0 - openness(solid, p, normals, HOLLOW_REACH), 0.0, 1.0)
     below = CHIN_SHADE * ramp(p[:, 1], *CHIN_SPAN)
+    rings = np.exp(-(((p[:, 1] - face.eye[0][1] + 0.075) / 0.055) ** 2))
+    closed = closed * (1.0 - BELOW_EYE * rings * ramp(np.abs(p[:, 2]), 0.05, 0.10))
     return (1.0 - HOLLOW_DARKNESS * ramp(closed, 0.03, 0.75)) * (1.0 - below)
 
 
@@ -161,15 +172,38 @@ def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
 
     cheeks = 0.6 * spot(0.1, -0.10 + drop, 0.17, 0.085, 0.075)
     blush = np.maximum(cheeks, 0.55 * spot(0.37, -0.135, 0.0, 0.055, 0.05))
+    rings = 0.7 * spot(0.15, -0.060 + drop, 0.150, 0.085, 0.042)
     nostril = spot(0.34, -0.176, 0.030 - 0.006 * c, 0.016, 0.013)
     hollow = np.maximum(grid.hollow, 0.8 * nostril)
     tint = np.stack([np.full(len(p), float(BLUSH)), blush], axis=-1)
     lash = np.where(grid.lid > LASH_LINE, LASH_SHARE, 0.0) + np.where(
         grid.lid < -LASH_LINE, LOWER_LASH_SHARE, 0.0
     )
+    tint[rings > blush] = np.stack([np.full(len(p), float(PALE)), rings], axis=-1)[rings > blush]
     for number, share in ((LIP, grid.lips), (HOLLOW, hollow), (LASH, lash)):
         tint[share > 0.04] = np.stack([np.full(len(p), number), share], axis=-1)[share > 0.04]
     return tint
+
+
+BEARD_LINE = ((0.0, 0.10, 0.16, 0.25, 0.34), (-0.335, -0.305, -0.255, -0.160, -0.040))
+"""Heights of the upper edge of a beard, by the distance from the middle of the face."""
+
+
+def bearded(patch: SkinnedPatch, head: Head, share: float) -> SkinnedPatch:
+    """Return the skin of a head with a beard, or its stubble: `share` is that of its colour."""
+    if share == 0.0:
+        return patch
+    x, y, aside = ((patch.vertices - head.centre) / head.size).T
+    aside = np.abs(aside)
+    line = np.interp(aside, *BEARD_LINE)
+    cheeks = ramp(y, line + 0.035, line - 0.035) * ramp(y, -0.55, -0.46) * ramp(x, -0.09, -0.02)
+    lip = np.exp(-(((y + 0.218) / 0.022) ** 2)) * ramp(aside, 0.13, 0.09) * ramp(x, 0.2, 0.25)
+    grown = share * np.maximum(cheeks, lip)
+    tint = patch.tint.copy()
+    # Lips, lids and the inside of the mouth keep their colours.
+    covered = (grown > 0.05) & (np.isin(tint[:, 0], (BLUSH, PALE)))
+    tint[covered] = np.stack([np.full(len(grown), float(BEARD)), grown], axis=-1)[covered]
+    return replace(patch, tint=tint)
 
 
 @cached_part
@@ -212,10 +246,10 @@ def ears(head: Head) -> SkinnedPatch:
     return with_mirror(replace(patch, tint=red))
 
 
-EYE_RINGS_DEG = np.array([8.0, 14.5, 15.5, 23.0, 30.0, 33.0, 35.0, 48.0, 66.0, 90.0, 130.0])
+EYE_RINGS_DEG = np.array([7.0, 12.0, 13.0, 20.0, 27.0, 30.0, 32.0, 46.0, 66.0, 90.0, 130.0])
 """Rings of an eyeball around its axis, denser where its colour changes."""
 
-PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 15.0, 30.5, 34.0
+PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 12.5, 27.5, 31.0
 """Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
 
 LID_SHADE, CORNER_SHADE = 0.52, 0.30
@@ -277,6 +311,10 @@ BROW_PALENESS = np.array([0.34, 0.12, 0.10, 0.22, 0.45])
 """Share of the skin that is seen between the hairs of a brow, from its inner end."""
 
 
+BROW_SHADE = 0.62
+"""Brows are darker than the hair of the head."""
+
+
 @cached_part
 def brows(head: Head) -> SkinnedPatch:
     """Return both brows, on the skin."""
@@ -292,17 +330,27 @@ def brows(head: Head) -> SkinnedPatch:
     patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
     pale = np.interp(net.vertices[:, 2], [z for z, _ in BROW_LINE], BROW_PALENESS)
     tint = np.stack([np.full(len(pale), float(BLUSH)), pale], axis=-1)
-    return with_mirror(replace(_with_units(head, patch, FaceSkin.free(net.vertices)), tint=tint))
+    dark = np.full(len(pale), BROW_SHADE)
+    skin = _with_units(head, patch, FaceSkin.free(net.vertices))
+    return with_mirror(replace(skin, tint=tint, shade=dark))
 
 
 Style = Callable[[Head], Field]
+
+
+HAIR_LINE = ((0.345, 0.270, 0.0), (0.72, -0.66, 0.0))
+"""Place and direction of the plane that cuts off hair at the forehead."""
+
+BABY_HAIR = 0.45
+"""Share of the skin that is seen between the thin hairs of the hair line."""
 
 
 def _hair_cap(head: Head, thick: float) -> Field:
     """Return hair on the skull, cut off along a line from the forehead to the nape."""
     s, at = head.size, head.at
     skull = ellipsoid(at(-0.060, 0.125, 0.0), s * (np.array([0.430, 0.385, 0.345]) + thick))
-    line = half_space(at(0.345, 0.270, 0.0), (0.72, -0.66, 0.0))
+    point, normal = HAIR_LINE
+    line = half_space(at(*point), normal)
     return smooth_intersection(skull, line, 0.05 * s)
 
 
@@ -359,7 +407,35 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     patch = net.follow("head", "chest", 1.0 - share)
     seen = (net.vertices - c) / s
     normals = vertex_normals(net.vertices, net.faces)
+    patch = replace(patch, vertices=c + s * _with_locks(seen, style))
     return replace(patch, tint=_hair_gloss(seen, normals), shade=_hair_shade(seen, normals))
+
+
+LOCK_DEPTH: Mapping[str, float] = {"short": 0.012, "bob": 0.016, "long": 0.018, "bun": 0.006}
+"""By how much locks stand out and lie deeper by style, in heads."""
+
+HEM_LOCKS = 0.055
+"""By how much the lower ends of locks hang lower or higher, in heads."""
+
+
+SKULL = (-0.06, 0.06, 0.0)
+"""Middle of the skull."""
+
+
+def _with_locks(places: Array, style: str) -> Array:
+    """Return the surface (V, 3) of hair in locks: its outline is a helmet's otherwise."""
+    # Alike on both sides; the parting is not.
+    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+    locks = np.sin(9.0 * around + 1.3) + 0.7 * np.sin(14.0 * around + 4.0 * places[:, 1])
+    # Not along the hair line, where locks would show the skull.
+    kept = ramp(places[:, 0], 0.26, 0.16)
+    # Away from the skull: normals of the net are not alike on both sides.
+    outward = normalized(places - np.array(SKULL))
+    moved = places + (LOCK_DEPTH[style] * locks * kept)[:, None] * outward
+    if style in ("bob", "long"):
+        ends = ramp(places[:, 1], -0.10, -0.40) * (0.6 * np.sin(5.0 * around + 0.5) + 0.5 * locks)
+        moved[:, 1] += HEM_LOCKS * ends
+    return np.asarray(moved)
 
 
 GLOSS, GLOSS_RISE, GLOSS_BREADTH = 0.20, 0.66, 0.17
@@ -369,16 +445,26 @@ NAPE_SHADE = 0.45
 """How dark hair is where it hangs in its own shade."""
 
 
+CROWN, CROWN_SHADE = (-0.12, 0.50, 0.0), 0.45
+"""Whorl from which hair goes out, and how dark it is there, where one sees down to the roots."""
+
+
 def _hair_gloss(places: Array, normals: Array) -> Array:
     """Return the tint (V, 2) of the gloss: a band around the crown, broken by locks."""
     around = np.arctan2(places[:, 2], places[:, 0])
     locks = 0.62 + 0.38 * np.sin(11.0 * around) * np.sin(5.0 * around + 1.0)
     band = np.exp(-(((normals[:, 1] - GLOSS_RISE) / GLOSS_BREADTH) ** 2))
-    return np.stack([np.full(len(places), float(SHEEN)), GLOSS * band * locks], axis=-1)
+    tint = np.stack([np.full(len(places), float(SHEEN)), GLOSS * band * locks], axis=-1)
+    point, normal = (np.array(v) for v in HAIR_LINE)
+    edge = BABY_HAIR * ramp((places - point) @ normalized(normal), -0.055, -0.005)
+    thin = edge > tint[:, 1]
+    tint[thin] = np.stack([np.full(len(edge), float(BLUSH)), edge], axis=-1)[thin]
+    return tint
 
 
 def _hair_shade(places: Array, normals: Array) -> Array:
     """Return the shade (V,) of hair: below the ears and wherever it faces down."""
     low = ramp(places[:, 1], 0.15, -0.45)
     under = ramp(normals[:, 1], 0.1, -0.6)
-    return 1.0 - NAPE_SHADE * np.maximum(low, under)
+    top = np.exp(-((np.linalg.norm(places - np.array(CROWN), axis=-1) / 0.30) ** 2))
+    return (1.0 - NAPE_SHADE * np.maximum(low, under)) * (1.0 - CROWN_SHADE * top)

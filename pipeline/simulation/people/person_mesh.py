@@ -15,6 +15,7 @@ from pipeline.simulation.people.body_mesh import (
     sleeves,
     trousers,
 )
+from pipeline.simulation.people.features import Features, with_features
 from pipeline.simulation.people.footwear import shoes
 from pipeline.simulation.people.garments import (
     bib,
@@ -29,6 +30,7 @@ from pipeline.simulation.people.garments import (
 from pipeline.simulation.people.hair_lay import brow_hair, head_hair
 from pipeline.simulation.people.head_mesh import (
     Head,
+    bearded,
     brows,
     ears,
     eyeballs,
@@ -91,8 +93,9 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
         *sleeves_and_legs,
         clothes.build,
         clothes.garments,
+        clothes.features,
     )
-    colors = clothes.skin, clothes.iris, clothes.shoes
+    colors = clothes.skin, clothes.iris, clothes.shoes, clothes.hair
     return tuple(
         MaterialLayer(name, mesh, materials[name])
         for name, mesh in _cached_meshes(proportions, *shape, *colors)
@@ -130,6 +133,7 @@ def _cached_meshes(
     shorts: bool,
     stature: Stature,
     garments: tuple[Garment, ...],
+    features: Features,
     *colors: str,
 ) -> tuple[tuple[str, Mesh], ...]:
     tints = tint_colors(*colors)
@@ -138,12 +142,15 @@ def _cached_meshes(
     head = Head(build)
     layers = [
         (name, _mesh(merge_patches(patches), tints))
-        for name, patches in _layers(build, head, short_sleeves, shorts, garments)
+        for name, patches in _layers(build, head, short_sleeves, shorts, garments, features)
     ]
     locks = [] if style == "none" else [hair_patch(head, style)]
-    grown = [*(length * head_hair(head, style, patch) for patch in locks)]
+    grown = [*(length * head_hair(head, style, patch, features.parting) for patch in locks)]
     grown.append(brow_hair(head, brows(head)))
-    combed = _mesh(merge_patches([*locks, brows(head)]), tints, np.concatenate(grown))
+    own = [
+        with_features(patch, features, head.centre, head.size) for patch in (*locks, brows(head))
+    ]
+    combed = _mesh(merge_patches(own), tints, np.concatenate(grown))
     return (*layers, ("hair", combed))
 
 
@@ -153,9 +160,15 @@ def _layers(
     short_sleeves: bool,
     shorts: bool,
     garments: tuple[Garment, ...],
+    features: Features,
 ) -> Iterator[tuple[str, list[SkinnedPatch]]]:
     bare = [bare_shins(build)] if shorts or "skirt" in garments else []
-    face = [head_skin(head), neck_skin(head), ears(head)]
+
+    def own(patch: SkinnedPatch) -> SkinnedPatch:
+        return with_features(patch, features, head.centre, head.size)
+
+    beard = 0.0 if build.childish > 0.0 else features.beard
+    face = [own(bearded(head_skin(head), head, beard)), neck_skin(head), own(ears(head))]
     yield "skin", [*face, bare_arms(build, short_sleeves), *bare]
     tucked = not {"skirt", "coat", "tucked"}.isdisjoint(garments)
     over = {"coat": coat_skirt, "hood": hood}
@@ -176,7 +189,7 @@ def _layers(
     if "stripes" in garments:
         yield "accent", [stripes(build)]
     yield "shoes", [shoes(build), *([belt(build)] if "tucked" in garments else [])]
-    yield "eyes", [eyeballs(head), teeth(head)]
+    yield "eyes", [own(eyeballs(head)), own(teeth(head))]
 
 
 def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:

@@ -8,7 +8,7 @@ from pipeline.simulation.spatial import Array
 from render.color import linear
 from render.config import MATERIALS
 
-LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE, LASH, SHEEN = range(1, 11)
+LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE, LASH, SHEEN, PALE, BEARD = range(1, 13)
 """Tints of vertices, the rows of `tint_colors`; 0 is the colour of the material."""
 
 LIPS = {
@@ -22,6 +22,12 @@ LIPS = {
 
 BLUSH_SHADE = np.array([1.02, 0.76, 0.72])
 """Colour of cheeks in that of the skin."""
+
+PALE_SHADE = np.array([1.14, 1.10, 1.06])
+"""Colour of the thin skin below eyes in that of the skin."""
+
+BEARD_SHADE = 0.8
+"""Colour of a beard in that of the hair: hair of a face is darker."""
 
 HOLLOW_COLOR, PUPIL_COLOR = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002)
 TOOTH_COLOR, LASH_COLOR = (0.50, 0.46, 0.38), (0.012, 0.008, 0.006)
@@ -40,16 +46,18 @@ PALE_SOLE, DARK_SOLE = (0.52, 0.50, 0.46), (0.022, 0.015, 0.011)
 """Colours of soles, linear."""
 
 
-def tint_colors(skin: str, iris: str, shoes: str) -> Array:
-    """Return the linear colours (11, 3) of the tints of a person.
+def tint_colors(skin: str, iris: str, shoes: str, hair: str) -> Array:
+    """Return the linear colours (13, 3) of the tints of a person.
 
     Args:
         skin: material.
         iris: material.
         shoes: material.
+        hair: material.
     """
     own, lip, eye = (linear(MATERIALS[name].color) for name in (skin, LIPS.get(skin, "lips"), iris))
     mouth = (lip, HOLLOW_COLOR, BLUSH_SHADE * own)
     eyes = (eye, LIMBUS_SHADE * eye, PUPIL_COLOR)
     sole = PALE_SOLE if shoes in PALE_SOLES else DARK_SOLE
-    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole, LASH_COLOR, SHEEN_COLOR))
+    face = (PALE_SHADE * own, BEARD_SHADE * linear(MATERIALS[hair].color))
+    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole, LASH_COLOR, SHEEN_COLOR, *face))

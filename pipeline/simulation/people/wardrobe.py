@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
+from pipeline.simulation.people.features import MEAN_FEATURES, Features, draw_features
 from pipeline.simulation.people.tints import LIPS
 from pipeline.simulation.seeds import generator
 from pipeline.spec.costume import COSTUMES, Costume, HairStyle
@@ -35,6 +36,9 @@ TROUSERS = ("denim", "black cloth", "grey cloth", "beige cloth", "navy cloth")
 STYLES: tuple[HairStyle, ...] = ("short", "short", "bob", "bun", "long")
 
 LONGER: tuple[HairStyle, ...] = ("bob", "bun", "long")
+
+BEARDED_STYLES: tuple[HairStyle, ...] = ("short", "none")
+"""Styles of adults who may have a beard."""
 
 STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
 
@@ -139,6 +143,7 @@ class Clothes:
         garments: over shirt and trousers, or in place of these.
         accent: material of ties and stripes.
         hair_length: factor on the length of the hair.
+        features: of the face.
     """
 
     skin: str = "fair skin"
@@ -154,6 +159,7 @@ class Clothes:
     garments: tuple[Garment, ...] = ()
     accent: str = "white cloth"
     hair_length: float = 1.0
+    features: Features = MEAN_FEATURES
 
 
 def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, Clothes]:
@@ -191,14 +197,20 @@ def _clothes(name: str, seed: int, costume: Costume, turn: int) -> Clothes:
     outfit = OUTFITS[costume]
     shirt = outfit.shirts[turn % len(outfit.shirts)]
     others = [material for material in outfit.trousers if material != shirt]
+    hair = choice(LIGHT_HAIR if is_light else DARK_HAIR)
+    iris = choice(LIGHT_IRISES if is_light else ("brown iris",))
+    trousers = choice(others) if others else shirt
+    shoes = choice(outfit.shoes)
+    style = choice(outfit.styles)
+    features = draw_features(generator(seed, f"{name}/features"), style in BEARDED_STYLES)
     return Clothes(
         skin=skin,
-        hair=choice(LIGHT_HAIR if is_light else DARK_HAIR),
-        iris=choice(LIGHT_IRISES if is_light else ("brown iris",)),
+        hair=hair,
+        iris=iris,
         shirt=shirt,
-        trousers=choice(others) if others else shirt,
-        shoes=choice(outfit.shoes),
-        style=choice(outfit.styles),
+        trousers=trousers,
+        shoes=shoes,
+        style=style,
         short_sleeves=outfit.short_sleeves,
         shorts=outfit.shorts,
         build=choice(STATURES),
@@ -206,4 +218,5 @@ def _clothes(name: str, seed: int, costume: Costume, turn: int) -> Clothes:
         accent=choice(("red cloth", "teal cloth", "plum cloth"))
         if "suit" in outfit.garments
         else "white cloth",
+        features=features,
     )

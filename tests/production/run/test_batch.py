@@ -54,6 +54,7 @@ def table_of(err: str) -> dict[str, str]:
     return {line.split()[0]: line for line in lines[first + 1 :]}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("command", "made"),
     [

@@ -41,6 +41,7 @@ def test_trees_stand_in_groves_that_differ_by_the_seed() -> None:
     assert KINDS["oak"].habitat == "grove"
 
 
+@pytest.mark.nightly
 def test_the_ground_is_drawn_bare_where_plants_find_it_bare_or_stand_thin() -> None:
     growth = Growth(5)
     wear = growth.wear(MATERIALS["grass"], CALM, np.array([3.0, -4.0]))
@@ -87,6 +88,7 @@ def test_tufts_and_clumps_leave_the_share_on_average_that_densities_count_on() -
             assert (found < 0.3).mean() > 0.25 or (habitat == "turf" and found.min() > 0.5)
 
 
+@pytest.mark.nightly
 def test_dry_beds_cross_dry_land_and_stones_lie_along_them() -> None:
     x, z = places()
     dry, other = Growth(5, dry=True), Growth(5)

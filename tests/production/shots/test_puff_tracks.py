@@ -76,7 +76,7 @@ def test_puffs_hide_what_is_behind_them() -> None:
     ray = mi.Ray3f(mi.Point3f(origin), mi.Vector3f(0, 0, 1))
 
     def seen(distance: float) -> tuple[np.ndarray, np.ndarray]:
-        passed, added = puffs.seen(ray, mi.Float(np.full(256, distance, np.float32)))
+        passed, added = puffs.seen(ray, [mi.Float(np.full(256, distance, np.float32))])
         return np.array(passed), np.array(added)
 
     passed, added = seen(9.0)

@@ -162,7 +162,7 @@ def test_bodies_bounce_off_a_dancers_head_and_lie_on_its_drum(scene_of: Scenes) 
     assert cube_way[-1, 1] == pytest.approx(0.9 + 0.04, abs=0.005)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
     walker = "{name: bug, figure: beetle, at: [-2, 0], walk: {}}"
     ball = (

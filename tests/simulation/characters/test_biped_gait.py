@@ -129,7 +129,7 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
     return np.array(deep)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("kind", "speed", "turn_deg", "every"),
     [
@@ -332,6 +332,7 @@ TURNS = [
 ]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
 def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -> None:
     pain, fastest = zigzag(kind, speed, seed)
@@ -340,6 +341,7 @@ def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -
     assert fastest < 5.0 * speed + 5.0
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
 def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch

@@ -10,6 +10,7 @@ from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 from pipeline.simulation.characters.crew import STANDOFF, CarryEnd, Crew, Stage, crew_of
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import matrix
 from pipeline.spec import read_scene
 from tests.simulation.characters.scripted_people import node_path, run_scene, troupe_of
 
@@ -81,6 +82,10 @@ def test_two_carry_a_crate_level_and_put_it_down_together(box: str) -> None:
     assert abs(first.end - second.end) < 10
     path = node_path(simulation, "box")
     assert path[:, 1].max() > path[0, 1] + 0.2
+    take = simulation.take()
+    node = next(k for k, node in enumerate(take.nodes) if node.performer == "box")
+    up = matrix(take.rotations[:, node])[:, 1, 1]
+    assert np.degrees(np.arccos(np.clip(up.min(), -1.0, 1.0))) < 15.0
     assert np.hypot(*(path[-1, [0, 2]] - [0.4, 2.2])) < 0.4
     assert abs(path[-1, 1] - path[0, 1]) < 0.05
 

@@ -244,6 +244,8 @@ def test_anxious_children_of_the_schoolyard_return_home(seed: int) -> None:
     take = simulate(scene)
     anxiety, distance = channel(take, "small.anxiety"), channel(take, "small.distance")
     gaze, did = channel(take, "small.gaze"), behaviours_of(take, "small")
+    # Characters are numbered in the order of their names.
+    mother = sorted(member.name for member in scene.characters).index("mother")
     dt = 90.0 / len(anxiety)
     # An anxious child returns home and hugs until it is calm.
     returns = [k for k in range(1, len(did)) if did[k] == "attachment" != did[k - 1]]
@@ -261,7 +263,7 @@ def test_anxious_children_of_the_schoolyard_return_home(seed: int) -> None:
     assert sum(name == "play" for name in did) * dt > 10.0
     # It looks back more often the farther it is.
     away = np.array([name in ("play", "carry") for name in did])
-    begins = np.append(False, (gaze[1:] == 0) & (gaze[:-1] != 0))
+    begins = np.append(False, (gaze[1:] == mother) & (gaze[:-1] != mother))
     near, far = away & (distance < 4.0), away & (distance >= 4.0)
     rates = [float(begins[where].sum() / (where.sum() * dt)) for where in (near, far)]
     assert rates[1] > 1.3 * rates[0]

@@ -131,7 +131,7 @@ def test_a_grabbed_thing_hangs_from_the_hand_until_released() -> None:
     assert highest[-1] < 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_each_hand_can_grab_a_different_thing() -> None:
     simulation = Simulation(load_scene(library() / "merry_go_round.yaml"))
     troupe = troupe_of(simulation)
@@ -301,7 +301,7 @@ script:
     assert np.linalg.norm(a - b, axis=1).min() > 0.5
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_crossing_walkers_step_aside() -> None:
     play = play_scene(crossing(3))
     names = [name for name in play.firsts if name[0] in "en"]

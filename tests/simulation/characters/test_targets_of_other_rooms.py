@@ -215,6 +215,7 @@ def test_people_walk_up_to_members_and_to_places_by_name() -> None:
     assert len(course().arrived["hal"]) == 1
 
 
+@pytest.mark.nightly
 def test_kicks_send_bodies_off_in_their_direction() -> None:
     simulation, fastest = Simulation(read_scene(KICKS)), {"football": 0.0, "balloon": 0.0}
     while not simulation.finished:
@@ -279,6 +280,7 @@ def test_a_child_takes_a_wide_ball_with_both_hands_and_throws_it() -> None:
     assert course().speeds["ball"] > 2.0
 
 
+@pytest.mark.nightly
 def test_an_adult_sits_down_on_a_prop() -> None:
     assert "cat" in course().sitting
     assert np.hypot(*(course().places["cat"] - [-6.0, 6.5])) < 0.6

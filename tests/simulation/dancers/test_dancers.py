@@ -141,8 +141,7 @@ def test_mechanical_energy_is_bounded(by: str) -> None:
     assert np.ptp(potential) < 53.0
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("by", CONTROLLERS)
 def test_contact_times_do_not_depend_on_step(by: str) -> None:
     config = f"controller: {by}, tempo_bpm: 103, start: 1.0, steps_a_second: "
@@ -161,7 +160,7 @@ def test_contact_times_do_not_depend_on_step(by: str) -> None:
     assert sorted(errors)[:7] == pytest.approx([0.0] * 7, abs=0.0015)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_touch_events_are_on_frames_of_beats() -> None:
     scene = load_scene(find_scene("macarena"), ["duration=10"])
     take, beat = simulate(scene), 60.0 / 103

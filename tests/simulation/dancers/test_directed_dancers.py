@@ -151,7 +151,7 @@ def test_touch_of_other_performers_triggers_dance() -> None:
     assert is_close(run_until(simulation, 6.0)[1], (0.35, 1.4, -0.5))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_characters_collide_with_dancer() -> None:
     text = SCENE.format(duration=4, config="start: 0, bars: 1", script="SCRIPT", more="")
     others = (
@@ -288,6 +288,7 @@ def test_head_turns_to_an_ordered_place_and_back() -> None:
     assert ada(simulation).moving.q[neck] < 0.1
 
 
+@pytest.mark.nightly
 def test_later_order_does_not_change_earlier_motion() -> None:
     plain, late_order = build_simulation(), build_simulation("{at: 5.5, who: ada, do: stop}")
     apart = run_until(plain, 5.0) - run_until(late_order, 5.0)
@@ -442,7 +443,7 @@ def test_random_orders_keep_limits(by: str, seed: int) -> None:
     assert deepest < 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @EACH_CONTROLLER
 def test_waving_raises_the_hand_and_applauding_claps(by: str) -> None:
     simulation = build_simulation(

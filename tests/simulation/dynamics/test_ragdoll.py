@@ -248,7 +248,7 @@ def test_figures_fall_and_come_to_rest_on_the_ground(name, terrain):
     assert 0 < fallen.impact_count < 3 * len(fallen.figure.skeleton.links)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("scale", [0.02, 4.0])
 def test_falls_scale_with_size(scale):
     one, other = (drop_figure("hopper", "flat", 14.0 * max(s, 1.0), s) for s in (1.0, scale))
@@ -302,6 +302,7 @@ def test_joints_move_in_a_ragdoll_and_not_in_a_rigid_fall():
     assert moved["ragdoll"] > 0.5
 
 
+@pytest.mark.nightly
 def test_each_striking_link_makes_contacts_of_its_own_name():
     take = simulate(scene_of("{figure: kangaroo, pronk: {balance: 0}}", duration=4))
     falls = [c for c in take.contacts if c.kind == "hit" and c.step >= toppling_step(take)]
@@ -346,6 +347,7 @@ def test_falls_need_no_compiler():
     assert done.stdout.split() == ["False", "True"]
 
 
+@pytest.mark.nightly
 def test_a_hopper_that_falls_off_the_terrain_is_noted_as_dropped():
     terrain = "{kind: flat, size: [4, 4]}"
     member = "{figure: kangaroo, at: [1.2, 0], pronk: {balance: 0, distance: 1.5}}"

@@ -89,6 +89,7 @@ def plain(more: str = "at: [0, 0]") -> Posed:
 WALKING = "at: [0.5, -1], heading_deg: 30, walk: {}"
 
 
+@pytest.mark.nightly
 def test_joint_reaches_its_value_and_returns() -> None:
     keys = (
         "{at: 0.75, joints: {elbow_r_deg: 90}}, {at: 1, joints: {elbow_r_deg: 60}},"
@@ -383,6 +384,7 @@ def test_invalid_poses_are_refused(key: str, message: str) -> None:
     assert all(problem.line > 0 and "pose[" in problem.path for problem in caught.value.problems)
 
 
+@pytest.mark.nightly
 def test_keys_that_cannot_be_reached_are_known_without_steps() -> None:
     """And the place that is advised instead is reached."""
     # At 1.1 s it is too soon for the joints; the others are too far away.

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures import tip_ik
+from pipeline.simulation.figures.ball_joint_ik import full_reach
 from pipeline.simulation.figures.base_change import limb_between
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.kinematics import LimbBatch
@@ -44,7 +45,11 @@ def test_tips_reach_their_goals(shipped: Figure) -> None:
         return
     goals = _goals(legs, np.random.default_rng(5), wide=1.5)
     found = solve_tips(legs, group_chains(legs, owner), goals)
-    assert (found.residual < 1e-6 * legs.lengths).mean() > 0.99
+    # Legs that stand almost straight, as a giraffe's, cannot reach all of these.
+    beyond = np.linalg.norm(goals - legs.places[:, 0], axis=-1) - full_reach(legs)
+    assert (beyond > 0).mean() < 0.1
+    assert (found.residual < 1e-6 * legs.lengths)[beyond <= 0].mean() > 0.99
+    assert (found.residual - beyond < 0.01 * legs.lengths)[beyond > 0].all()
 
 
 @pytest.mark.sample(7)
@@ -177,7 +182,7 @@ def test_random_chains_match_limb_poses(
         assert np.allclose(p, pose.tips[0], atol=1e-12)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("block", [1, 7, 64, 100_000])
 def test_results_do_not_depend_on_other_limbs(
     library: Callable[[str], Figure], monkeypatch: pytest.MonkeyPatch, block: int

@@ -105,6 +105,7 @@ def angle(a: Array, b: Array) -> Array:
 # --- carriage ----------------------------------------------------------
 
 
+@pytest.mark.nightly
 def test_a_creature_looks_aside_while_it_stands() -> None:
     recording = Recording("{figure: dog}", duration=0.1)
     for joint in ("head.base_yaw", "tail.base_yaw"):
@@ -124,8 +125,7 @@ def test_a_creature_looks_aside_while_it_stands() -> None:
 PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
 
 
-@pytest.mark.sample(3)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(
     "name", ["antelope", "beetle", "camel", "centipede", "horse", "kangaroo", "ostrich", "person"]
@@ -178,6 +178,7 @@ def test_head_turns_into_a_curve() -> None:
     assert np.abs(not_ahead).max() < 0.1
 
 
+@pytest.mark.nightly
 def test_head_stays_level_on_a_pitching_body() -> None:
     hills = "{kind: hills, height: 1.4, spacing: 4}"
     recording = Recording("{figure: camel, scale: 0.4, walk: {}}", hills, duration=4, wander=0.0)
@@ -238,7 +239,7 @@ def test_creature_at_rest_has_only_idle_motion() -> None:
         )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_tail_lags_more_towards_its_tip() -> None:
     """Overlap: at the rhythm of a bound each joint lags behind the one before."""
     recording = Recording("{figure: horse, walk: {gait: bound}}", duration=6, wander=0.0, sway=0.0)
@@ -290,6 +291,7 @@ def test_body_pitches_down_when_braking() -> None:
     assert np.abs(recording.pitch[370:384]).max() < 0.2
 
 
+@pytest.mark.nightly
 def test_pitched_body_keeps_its_feet_below_it() -> None:
     level, proud = (
         Recording("{figure: horse, walk: {speed: 1.1}}", duration=3, body_pitch=held)
@@ -315,8 +317,7 @@ def test_style_pitch_is_bounded() -> None:
 # --- motion style ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "name",
     [
@@ -337,6 +338,7 @@ def test_head_raise_lifts_the_head(name: str) -> None:
         assert (higher[0][:, 1] - lower[0][:, 1]).mean() > 0.005 * tall
 
 
+@pytest.mark.nightly
 def test_head_raise_turns_an_upright_neck_up() -> None:
     low, high = (
         Recording("{figure: person}", duration=1, head_raise=r, wander=0.0).look for r in (0.0, 0.3)

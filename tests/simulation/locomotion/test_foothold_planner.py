@@ -129,6 +129,7 @@ def test_each_foothold_of_a_walk_is_predicted_once(
     assert len(batches) <= 2 * SLOPE_SAMPLES_PER_SECOND
 
 
+@pytest.mark.nightly
 def test_predictions_of_a_redirected_creature_are_discarded(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)

@@ -149,8 +149,7 @@ def test_suggested_values_are_the_nearest() -> None:
                 )
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("figure", ["kangaroo", "hopper", "beetle", "tripod"])
 @pytest.mark.parametrize("crouch", [0.01, 5.0])
 def test_suggested_crouch_works(figure: str, crouch: float) -> None:

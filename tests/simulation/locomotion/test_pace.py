@@ -140,7 +140,7 @@ def test_distance_is_the_integral_of_the_stride() -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_second_change_waits_for_the_first() -> None:
     more = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
     scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=more)
@@ -161,6 +161,7 @@ def test_pace_transition_is_smooth_at_both_ends() -> None:
 # --- one foot ---------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 def test_person_hops_on_one_foot() -> None:
     walk = walk_with_script(
         "person", "{gait: hop, legs: [r1], path: [[2, 0], [2, 2], [0, 2]], repeat: loop}"
@@ -249,6 +250,7 @@ def test_legs_can_follow_every_mood(figure: str) -> None:
             assert pace.body_height <= troupe.herd.leg_layouts[0].tallest() + 1e-12
 
 
+@pytest.mark.nightly
 def test_moods_of_a_script_change_the_walk_and_back() -> None:
     walk = walk_with_script("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=12)
     assert walk.take.notes == ()

@@ -345,8 +345,7 @@ def test_tripping_scene_is_reproducible():
     assert steps["tripped"][0] <= steps["toppled"][0]
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "duration"), [("dropped", 1.25), ("tripping", 3.25)])
 def test_legs_that_land_hard_or_meet_a_wall_do_not_pop(name, duration):
     scene = load_scene(find_scene(name))
@@ -435,7 +434,7 @@ def test_jumps_land_on_their_targets(figure):
 DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4, foot_radius: 0.05}"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("figure", "x"), [pytest.param("hopper", -9.0, marks=pytest.mark.nightly), ("kangaroo", -8.8)]
 )

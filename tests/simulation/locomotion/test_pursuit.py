@@ -189,7 +189,7 @@ def test_who_chases_hurries(walk: str) -> None:
     assert speeds_of(take).max() == pytest.approx(2.93, abs=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("order", "at"),
     [
@@ -243,7 +243,7 @@ def test_nobody_turns_away_from_what_comes_near(order: str, figure: str) -> None
     assert np.diff(take.positions[:, NodeNames.of(take).find("bug"), 0]).min() > -1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_follower_that_is_near_enough_at_once_stops() -> None:
     keyframes = "{at: 0, position: [1.9, 0.15, 0]}"
     take = pursuit_of("at: 0, do: {follow: cart}", keyframes=keyframes, duration=1.5)

@@ -29,6 +29,7 @@ def pace_of(figure: str, walk: str, scale: float = 1.0) -> Pace:
     return troupe.herd.paces[0]
 
 
+@pytest.mark.nightly
 def test_speed_and_gait_that_are_automatic_are_left_out() -> None:
     assert Walk.model_validate({"speed": "auto", "gait": "auto"}) == Walk()
     given, free = pace_of("horse", "{speed: auto, gait: trot}"), pace_of("horse", "{gait: trot}")
@@ -75,6 +76,7 @@ def test_lighter_animals_move_their_legs_more_often() -> None:
     assert most(heavy) < most(HORSE) < most(MOUSE)
 
 
+@pytest.mark.nightly
 def test_a_gallop_without_a_speed_is_a_gallop() -> None:
     pace = pace_of("horse", "{gait: rotary gallop}")
     assert 6.0 < pace.speed < 11.0
@@ -101,6 +103,7 @@ def test_a_cadence_beyond_muscles_is_refused_with_one_that_works() -> None:
     assert pace_of("horse", f"{{cycle: {cycle}, speed: 1}}").cycle == float(cycle)
 
 
+@pytest.mark.nightly
 def test_a_small_figure_takes_shorter_and_quicker_strides() -> None:
     large, small = pace_of("horse", "{}"), pace_of("horse", "{}", 0.5)
     assert small.stride < 0.7 * large.stride

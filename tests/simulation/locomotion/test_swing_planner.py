@@ -263,6 +263,7 @@ def test_joints_do_not_jump(level_feet_walks: Walk) -> None:
     assert np.abs(np.diff(level_feet_walks.q, 2, axis=0)).max() < 550.0 * dt**2
 
 
+@pytest.mark.nightly
 def test_plain_swings_do_not_depend_on_planned_ones(
     scene_of: Callable[..., Scene], walk_through: Callable[[Scene], Walk]
 ) -> None:

@@ -59,7 +59,7 @@ def test_walkers_cross_passable_terrain(
     assert_feet_on_the_ground(walk)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", BARRIERS)
 @pytest.mark.parametrize("figure", WALKERS)
 def test_walkers_stop_before_barriers(
@@ -98,6 +98,7 @@ def assert_feet_on_the_ground(walk: Walk) -> None:
     assert np.abs(y - ground.height(x, z)).max() < 1e-12
 
 
+@pytest.mark.nightly
 def test_walks_on_a_rotated_terrain_are_rotated_walks(
     scene_of: Callable[..., object], walk_through: Callable[..., object]
 ) -> None:

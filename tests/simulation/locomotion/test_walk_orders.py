@@ -70,6 +70,7 @@ def test_body_heads_along_its_route() -> None:
     assert np.abs(np.degrees(ahead - headings(walk)[:-1][moves])).max() < 4.0
 
 
+@pytest.mark.nightly
 def test_walk_goes_back_and_forth() -> None:
     walk = walk_with_orders("walk: {path: [[0.8, 0]], repeat: back and forth}", duration=13)
     x = positions(walk)[:, 0]
@@ -118,6 +119,7 @@ def test_go_to_is_followed_by_the_order_on_arrival() -> None:
     np.testing.assert_allclose(p[-1], [0.2, 0.9], atol=1e-6)
 
 
+@pytest.mark.nightly
 def test_orders_for_one_event_are_queued() -> None:
     script = (
         "{at: 0, who: b, do: {go_to: [0.6, 0]}},"
@@ -156,7 +158,7 @@ def test_turn_order_turns_by_its_angle(angle: int) -> None:
     assert np.linalg.norm(positions(standing)[-1] - positions(standing)[250]) < 1e-6
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "figure", [pytest.param("horse", marks=pytest.mark.nightly), "antelope", "person", "spider"]
 )
@@ -215,6 +217,7 @@ def test_speed_order_holds_on_the_way_to_a_place(faster: float, going: float) ->
     assert v[-40:] == pytest.approx(0.6, rel=0.01)
 
 
+@pytest.mark.nightly
 def test_speed_order_holds_in_another_mood() -> None:
     script = "{at: 0.1, who: b, do: {speed: 0.3}}, {at: 0.4, who: b, do: {mood: {}}}"
     v = speeds(walk_with_orders("walk: {}", script, duration=1.8))
@@ -264,7 +267,7 @@ def test_inchworm_refuses_script_and_path() -> None:
         Simulation(scene_of(worm.replace("walk: {}", "walk: {path: [[1, 1]]}")))
 
 
-@pytest.mark.sample(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("place", [(2, 0.3), (1, 2), (0.6, -2), (-2, 0.5), (1.2, 0.4), (-1, 0)])
 def test_feet_do_not_slip_on_the_way_to_any_place(place: tuple[float, float]) -> None:
     script = f"{{at: 1.2, who: b, do: {{go_to: {list(place)}}}}},"

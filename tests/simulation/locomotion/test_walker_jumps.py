@@ -220,7 +220,7 @@ def take_of(scene: Scene) -> Take:
     return simulation.take()
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
 def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None:
     scene = hurdle_scene("antelope", *size, duration=3)
@@ -255,6 +255,7 @@ def test_jump_is_done_when_it_has_landed(way: str) -> None:
     assert min(lifts) < take.orders[0].end < 4 * 24 * 8
 
 
+@pytest.mark.nightly
 def test_orders_to_a_fallen_hopper_are_given_up() -> None:
     config = "{name: a, figure: antelope, at: [0, 3, 0], pronk: {balance: 0}}"
     more = "script: [{at: 2.5, who: a, do: {jump: {}}}, {at: 2.6, who: a, do: stop}]"
@@ -342,7 +343,7 @@ def test_stop_order_ends_and_hop_order_resumes_the_hops() -> None:
     assert hops.states[0][-1].jumps > max(jumps) + 1
 
 
-@pytest.mark.sample(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
 def test_stop_cancels_go_to_in_any_phase(at: float) -> None:
     script = f"{{at: 0.5, who: roo, do: {{go_to: [14, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
@@ -367,6 +368,7 @@ def test_jump_does_not_affect_other_walkers() -> None:
     assert (both.positions[:rows, nodes] == alone.positions).all()
 
 
+@pytest.mark.nightly
 def test_wait_order_pauses_the_hops() -> None:
     hops = hop_with_script("{at: 1.5, who: roo, do: {wait: 3}}", 8)
     standing = [seen.time for seen in hops.states[0] if seen.phase == "standing" and seen.time > 2]
@@ -384,6 +386,7 @@ def test_turn_order_turns_by_its_angle(angle: float) -> None:
     assert max(seen.tilt for seen in hops.states[0]) < math.radians(15)
 
 
+@pytest.mark.nightly
 def test_speed_order_changes_the_speed() -> None:
     hops = hop_with_script("{at: 2, who: roo, do: {speed: 4.5}}", 6)
     assert np.linalg.norm(hops.lifts[-1][1]) == pytest.approx(4.5, rel=1e-6)

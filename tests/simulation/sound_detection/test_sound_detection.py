@@ -335,6 +335,7 @@ def test_a_swarm_is_heard_in_flight_as_one() -> None:
     assert 0.3 < wings.strength < 5.0
 
 
+@pytest.mark.nightly
 def test_clothes_rustle_on_request_while_limbs_move() -> None:
     walkers = "{name: bob, figure: person, walk: {}}", "{name: bug, figure: beetle, at: [3, 3]}"
     ask = "sound: {detect: {rustle: {heard: true}}}"
@@ -361,6 +362,7 @@ def test_a_person_breathes_faster_when_it_runs() -> None:
     assert breaths(run) > 1.3 * rest
 
 
+@pytest.mark.nightly
 def test_creatures_call_on_request_in_the_voice_of_their_mood() -> None:
     creatures = (
         "{name: bob, figure: person, mood: sad, walk: {}}",

@@ -173,7 +173,7 @@ class MindScheduler:
     def values(self) -> Array:
         """Return the values of the channels now.
 
-        Focus and gaze are numbers of characters in the order of the cast, behaviours those of
+        Focus and gaze are numbers of characters in the order of names, behaviours those of
         the scene language; -1 is none.
         """
         return self._values.flatten()

@@ -81,8 +81,9 @@ def leg_segment(chain: Chain, i: int, detail: float, style: LegStyle = LegStyle(
         top = 0.42 if i == 0 else 0.66
         shape = np.interp(t, [0.0, 0.10, top, 0.92, 1.0], [0.60, 0.84, 1.28, 0.96, 0.70])
     middle = a + t[:, None] * (b - a)
-    # Shells of legs are a little bowed.
-    bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t)
+    # Shells of legs are a little bowed, but around their link.
+    height = min(0.06 * float(chain.lengths[i]), 0.8 * float((radii * shape)[len(t) // 2]))
+    bow = height * np.sin(np.pi * t)
     bow *= 0.0 if is_foot and style.jointed else 1.0
     outward = normalized(
         UP * (1.0 - abs(chain.ways[i][1])) + 0.4 * (b - chain.points[0]) * [1, 0, 1]

@@ -18,6 +18,7 @@ import math
 
 import numpy as np
 
+from pipeline.simulation.characters.arm_clearance import keep_arms_in
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
@@ -59,7 +60,7 @@ QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 
 # Of velocity across the way, relative to that along it, where all others come from the side.
-MORE_SIDESTEP_COST = 2.0
+MORE_SIDESTEP_COST = 1.0
 
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
@@ -89,6 +90,7 @@ def avoid_people(persons: Records) -> None:
         person = persons[order[n]]
         if not person.has_goal:
             person.detour, person.impatience = 0.0, -PATIENCE
+            keep_arms_in(persons, person, nearest, 0, False)
             make_way(persons, order, n, near)
             continue
         person.gave_way = False
@@ -111,6 +113,7 @@ def avoid_people(persons: Records) -> None:
             # Bodies keep clear of one another more alike than the space around them.
             _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
             _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
+        keep_arms_in(persons, person, nearest, count, in_crowd)
         if count > 0:
             limit = QUICKEST * person.pace
             if not in_crowd:

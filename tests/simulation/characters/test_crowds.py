@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.crossing import cross
-from pipeline.simulation.characters import half_planes
+from pipeline.simulation.characters import arm_clearance, half_planes
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import headway_share
 from pipeline.simulation.characters.neighbours import (
@@ -130,6 +130,25 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
         assert set(near) == set(np.flatnonzero(np.abs(x - x[order[n]]) <= 2.5)) - {order[n]}
         for side in (offset[offset < 0.0], offset[offset > 0.0]):
             assert (np.diff(np.abs(side)) > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("aside", "in_crowd", "kept"),
+    [(0.8, True, 1.0), (1.1, True, 0.5), (1.4, True, 0.0), (0.8, False, 0.0)],
+)
+def test_walkers_in_a_crowd_keep_their_arms_in_before_others_pass_close_by(
+    aside: float, in_crowd: bool, kept: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain: Any = arm_clearance._least_distance
+    monkeypatch.setattr(arm_clearance, "_least_distance", plain.py_func)
+    monkeypatch.setattr(arm_clearance, "walks_with", lambda *_: False)
+    two = zero_records(2, PERSON)
+    two["height"] = 1.7
+    two["at"], two["velocity"] = [[0.0, 0.0], [1.2, aside]], [[1.2, 0.0], [-1.2, 0.0]]
+    keep_arms_in: Any = arm_clearance.keep_arms_in
+    for _ in range(100):
+        keep_arms_in.py_func(two, two[0], np.array([1]), 1, in_crowd)
+    assert two["arms_in"][0] == pytest.approx(kept, abs=0.1)
 
 
 @pytest.mark.nightly

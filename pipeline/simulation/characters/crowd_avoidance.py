@@ -48,6 +48,7 @@ SIGHT_RANGE = 4.5  # [m]
 COMPANION_SPACE = 0.4  # of those who walk together
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
+STANDING_ROOM = 0.38  # around those in a crowd, or nobody would pass between rows that have arrived
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
 SQUEEZING, CROWD_SQUEEZING = 0.007, 0.003  # change of that in a step; in a crowd
@@ -60,7 +61,7 @@ QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 
 # Of velocity across the way, relative to that along it, where all others come from the side.
-MORE_SIDESTEP_COST = 1.0
+MORE_SIDESTEP_COST = 2.0
 
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
@@ -104,7 +105,8 @@ def avoid_people(persons: Records) -> None:
         for k in range(count):
             other = persons[nearest[k]]
             tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
-            own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - tight)
+            room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
+            own_space = room - squeeze * (room - tight)
             if walks_with(person, other):
                 own_space = min(own_space, COMPANION_SPACE)
             lag = 0.0

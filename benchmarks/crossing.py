@@ -8,7 +8,7 @@ Everybody is to arrive, nobody to be hurt, nobody to be dazed. Kinds of crossing
 - standing: head-on, through people who stand about;
 - gate: head-on, through a gap of `GATE` metres between two walls.
 
-    python benchmarks/crossing.py [KIND...] [SIZE...] [seed=N...]
+    python benchmarks/crossing.py [KIND...] [SIZE...] [seed=N...] [spacing=METRES]
 """
 
 from __future__ import annotations
@@ -33,8 +33,11 @@ KINDS = ("head-on", "corner", "speeds", "standing", "gate")
 SIZES, SEEDS = (25, 50), (1, 2, 3)
 DURATION = 30.0  # [s]
 
-SPACING, JITTER = 1.1, 0.12  # of the rows and files of a group, and its spread [m]
-APART = 3.5  # from the middle of the square to the first row [m]
+# Of the rows and files of a group [m]: 0.44 people/m², and twice that where groups meet, which is
+# level of service C, where people choose their speed (Fruin 1971). At 1.1 m they shuffle (level E).
+SPACING = 1.5
+JITTER = 0.12  # spread of places [m]
+APART = 3.5  # from the middle of the square to the first row, at least [m]
 LATE = 0.5  # spread of the times at which people set out [s]
 SLOWEST, FASTEST = 0.7, 2.2  # of people who walk at their own speeds [m/s]
 STANDERS = 6
@@ -89,19 +92,21 @@ class Outcome:
         )
 
 
-def scene_text(kind: str, size: int, seed: int) -> str:
+def scene_text(kind: str, size: int, seed: int, spacing: float = SPACING) -> str:
     """Return a scene in YAML of two groups of a size that cross."""
     rng = np.random.default_rng([seed, size, KINDS.index(kind)])
     cast, script = list[str](), list[str]()
     files = math.ceil(math.sqrt(size))
+    # At a corner neither the starts nor the goals of the groups overlap.
+    apart = max(APART, 0.5 * spacing * files) if kind == "corner" else APART
     for side in range(2):
         turn = math.pi * (1.0 if kind != "corner" else 0.5) * side
         for k in range(size):
             row, file = divmod(k, files)
-            back = APART + SPACING * row
-            across = SPACING * (file - 0.5 * (files - 1))
+            back = apart + spacing * row
+            across = spacing * (file - 0.5 * (files - 1))
             start = np.array([-back, across]) + rng.uniform(-JITTER, JITTER, 2)
-            goal = np.array([APART + SPACING * (size // files - row), across])
+            goal = np.array([apart + spacing * (size // files - row), across])
             goal += rng.uniform(-JITTER, JITTER, 2)
             name, character = f"{'ab'[side]}{k}", "child" if rng.random() < 0.2 else "adult"
             cast.append(_person(name, character, _turned(start, turn), turn, rng))
@@ -114,7 +119,7 @@ def scene_text(kind: str, size: int, seed: int) -> str:
             script.append(f"- {{at: {at:.2f}, who: {name}, do: {order}}}")
     if kind == "standing":
         for k in range(STANDERS):
-            aside = SPACING * (k - 2.5) + rng.uniform(-0.3, 0.3)
+            aside = spacing * (k - 2.5) + rng.uniform(-0.3, 0.3)
             place = np.array([rng.uniform(-2.5, 2.5), aside])
             cast.append(_person(f"s{k}", "adult", place, rng.uniform(-3.0, 3.0), rng))
     if kind == "gate":
@@ -186,23 +191,26 @@ class Watch:
             out.nearest = min(out.nearest, float(distance.min()))
 
 
-def cross(kind: str, size: int, seed: int) -> Outcome:
+def cross(kind: str, size: int, seed: int, spacing: float = SPACING) -> Outcome:
     """Let two groups cross."""
-    watch = Watch(Simulation(read_scene(scene_text(kind, size, seed))), 2 * size)
+    watch = Watch(Simulation(read_scene(scene_text(kind, size, seed, spacing))), 2 * size)
     while not watch.simulation.finished:
         watch.step()
     return watch.outcome
 
 
 def main(
-    kinds: Sequence[str] = KINDS, sizes: Sequence[int] = SIZES, seeds: Sequence[int] = SEEDS
+    kinds: Sequence[str] = KINDS,
+    sizes: Sequence[int] = SIZES,
+    seeds: Sequence[int] = SEEDS,
+    spacing: float = SPACING,
 ) -> None:
     """Print the table."""
     good = count = 0
     for kind in kinds:
         for size in sizes:
             for seed in seeds:
-                out = cross(kind, size, seed)
+                out = cross(kind, size, seed, spacing)
                 good, count = good + out.is_good, count + 1
                 print(f"{kind}, 2 x {size}, seed {seed}: {out.text()}", flush=True)
                 for what in (out.reasons, out.hurt, out.dazed, out.fallen):
@@ -217,4 +225,5 @@ if __name__ == "__main__":
         [word for word in words if word in KINDS] or KINDS,
         [int(word) for word in words if word.isdigit()] or SIZES,
         [int(word[5:]) for word in words if word.startswith("seed=")] or SEEDS,
+        *[float(word[8:]) for word in words if word.startswith("spacing=")][:1],
     )

@@ -1,12 +1,12 @@
 """Crowd avoidance: walkers choose velocities at which they will not meet other people.
 
 Each person that another will meet within a few seconds forbids a half plane of velocities. Two that
-both walk share the way that is to be made; of a standing person a walker makes all of it. Within
-all half planes, the velocity nearest to the wanted one is taken. In a throng where there is none,
-it keeps clear of their bodies and offends least against the space around them. Who gets no
-further squeezes through, for whom standing people make way. In a crowd walkers keep a headway, or
-their feet would strike the legs of those ahead. Others are visited in order along x, so that a
-crowd costs little more than a few.
+both walk share the way that is to be made, in a crowd by their right of way; of a standing person a
+walker makes all of it. Within all half planes, the velocity nearest to the wanted one is taken. In
+a throng where there is none, it keeps clear of their bodies and offends least against the space
+around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
+walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
+step aside. Others are visited in order along x, so that a crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -18,13 +18,20 @@ import math
 
 import numpy as np
 
+from pipeline.simulation.characters.arm_clearance import keep_arms_in
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
-from pipeline.simulation.characters.half_planes import allowed_velocity
+from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
-from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, order_along_x
+from pipeline.simulation.characters.neighbours import (
+    Numbers,
+    find_neighbours,
+    insert_nearest,
+    order_along_x,
+)
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
+from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
     keep_together,
@@ -41,15 +48,20 @@ SIGHT_RANGE = 4.5  # [m]
 COMPANION_SPACE = 0.4  # of those who walk together
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
+STANDING_ROOM = 0.38  # around those in a crowd, or nobody would pass between rows that have arrived
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
-SQUEEZING = 0.007  # change of that in a step
+SQUEEZING, CROWD_SQUEEZING = 0.007, 0.003  # change of that in a step; in a crowd
 THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
+FIRMNESS = 0.5  # of the right of way where bodies would meet
 QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
+
+# Of velocity across the way, relative to that along it, where all others come from the side.
+MORE_SIDESTEP_COST = 2.0
 
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
@@ -79,6 +91,7 @@ def avoid_people(persons: Records) -> None:
         person = persons[order[n]]
         if not person.has_goal:
             person.detour, person.impatience = 0.0, -PATIENCE
+            keep_arms_in(persons, person, nearest, 0, False)
             make_way(persons, order, n, near)
             continue
         person.gave_way = False
@@ -92,19 +105,40 @@ def avoid_people(persons: Records) -> None:
         for k in range(count):
             other = persons[nearest[k]]
             tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
-            own_space = PERSONAL_SPACE - squeeze * (PERSONAL_SPACE - tight)
+            room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
+            own_space = room - squeeze * (room - tight)
             if walks_with(person, other):
                 own_space = min(own_space, COMPANION_SPACE)
-            _forbid(person, other, tight, 0.0, x, z, lines[k])
-            _forbid(person, other, own_space, 1.0 - squeeze, x, z, lines[count + k])
+            lag = 0.0
+            if in_crowd and _shares_way(person, other):
+                lag = lag_at_crossing(person, other)
+            # Bodies keep clear of one another more alike than the space around them.
+            _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
+            _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
+        keep_arms_in(persons, person, nearest, count, in_crowd)
         if count > 0:
-            x, z = allowed_velocity(lines, projected, count, QUICKEST * person.pace, x, z)
-            if in_crowd:
+            limit = QUICKEST * person.pace
+            if not in_crowd:
+                x, z = allowed_velocity(lines, projected, count, limit, x, z)
+            else:
+                cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
+                x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
                 share = headway_share(persons, person, nearest, count, x, z)
                 x, z = share * x, share * z
-        _squeeze(person, wanted_x, wanted_z)
+        _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - alone_z - person.sidestep[1])
+
+
+@compiled
+def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float) -> float:
+    """Return how much the nearest people walk across the way of a walker, 0 to 1."""
+    across, total, speed = 0.0, 1e-9, max(math.hypot(x, z), 1e-9)
+    for k in range(count):
+        v = persons[nearest[k]].velocity
+        across += abs(v[0] * z - v[1] * x) / speed
+        total += math.hypot(v[0], v[1])
+    return across / total
 
 
 @compiled
@@ -129,12 +163,12 @@ def headway_share(
 
 
 @inlined
-def _squeeze(person: Record, wanted_x: float, wanted_z: float) -> None:
+def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) -> None:
     """Let a walker that hardly gets on squeeze through, and others keep their distance again."""
     speed = wanted_x * wanted_x + wanted_z * wanted_z
     gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
-    change = SQUEEZING if gain < SLOW * speed else -SQUEEZING
-    person.impatience = min(max(person.impatience + change, -PATIENCE), 1.0)
+    sign = 1.0 if gain < SLOW * speed else -1.0
+    person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
 
 
 @compiled
@@ -148,14 +182,15 @@ def _find_nearest(persons: Records, order: Numbers, n: int, near: Numbers, neare
         x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
         square = x * x + z * z
         if other.owner != person.partner and 1e-18 < square < SIGHT_RANGE**2:
-            k = min(count, MOST_NEIGHBOURS - 1)
-            if count < MOST_NEIGHBOURS or square < squares[k]:
-                while k > 0 and squares[k - 1] > square:
-                    squares[k], nearest[k] = squares[k - 1], nearest[k - 1]
-                    k -= 1
-                squares[k], nearest[k] = square, near[m]
-                count = min(count + 1, MOST_NEIGHBOURS)
+            count = insert_nearest(squares, nearest, count, square, near[m])
     return count
+
+
+@inlined
+def _shares_way(one: Record, other: Record) -> bool:
+    """Tell whether another walks as well, and shares the way that two must make."""
+    result: bool = other.has_goal and not other.frozen and other.partner != one.owner
+    return result
 
 
 @compiled
@@ -163,6 +198,7 @@ def _forbid(
     one: Record,
     other: Record,
     own_space: float,
+    lag: float,
     keeps_groups: float,
     wanted_x: float,
     wanted_z: float,
@@ -174,16 +210,19 @@ def _forbid(
         one: the person.
         other: the other.
         own_space: around a person, in heights.
+        lag: of the person at the crossing of their ways, -1 to 1.
         keeps_groups: share of the width of groups that is passed around, 0 to 1.
         wanted_x: velocity [m/s].
         wanted_z: of the same.
         line: written.
     """
-    shares = other.has_goal and not other.frozen and other.partner != one.owner
-    share, own_x, own_z = 0.5, one.velocity[0], one.velocity[1]
-    if not shares:
-        # By its own velocity a walker that has stopped before a standing person would stay there.
+    share, own_x, own_z = 0.5 + MOST_SHARED * lag, one.velocity[0], one.velocity[1]
+    # By its own velocity a walker that has stopped before a standing person, or with the right of
+    # way, would stay there.
+    if not _shares_way(one, other):
         share, own_x, own_z = 1.0, wanted_x, wanted_z
+    elif lag < 0.0:
+        own_x, own_z = own_x - lag * (wanted_x - own_x), own_z - lag * (wanted_z - own_z)
     space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE

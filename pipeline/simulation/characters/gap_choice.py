@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.neighbours import Numbers, find_neighbours
+import numpy as np
+
+from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, insert_nearest
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
     rows_apart,
@@ -25,6 +27,7 @@ CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
 WIDEST = math.radians(70.0)  # to either side of the way to the goal
 DIRECTIONS = 10  # to each side
 GAP = 0.42  # between the middles of two people, in heights
+STANDING_GAP = 0.36  # the same, to one who stands
 HABIT = 0.85  # cost of the direction nearest to the one taken before, relative to others
 RIGHT_SIDE = 0.02  # part of its cost by which a direction to the right is better
 TURNING = 0.03  # share of the way to a new direction that is taken in a step
@@ -75,18 +78,17 @@ def head_for_gap(
 def _people_ahead(
     persons: Records, order: Numbers, n: int, near: Numbers, seen: Numbers, x: float, z: float
 ) -> int:
-    """Write the numbers of people before a person that goes along x, z; return how many."""
+    """Write the numbers of the nearest people before one that goes along x, z; return how many."""
     person = persons[order[n]]
     count = 0
+    squares = np.zeros(MOST_SEEN)
     for m in range(find_neighbours(persons, order, n, SIGHT, near)):
         other = persons[near[m]]
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         is_other = other.owner != person.partner and not walks_with(person, other)
-        if is_other and dx * dx + dz * dz < SIGHT * SIGHT and dx * x + dz * z > 0.0:
-            seen[count] = near[m]
-            count += 1
-            if count == MOST_SEEN:
-                break
+        square = dx * dx + dz * dz
+        if is_other and square < SIGHT * SIGHT and dx * x + dz * z > 0.0:
+            count = insert_nearest(squares, seen, count, square, near[m])
     return count
 
 
@@ -123,7 +125,7 @@ def _best_direction(
 def _free_way(person: Record, other: Record, vx: float, vz: float) -> float:
     """Return how far a person gets at a velocity before it meets another [m]."""
     x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
-    gap = 0.5 * GAP * (person.height + other.height)
+    gap = 0.5 * (GAP if other.has_goal else STANDING_GAP) * (person.height + other.height)
     # A group passes around others as a whole, and they around it.
     width = person.group_width + other.group_width
     if width > 0.0:

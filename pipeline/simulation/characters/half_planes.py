@@ -41,6 +41,38 @@ def allowed_velocity(
 
 
 @compiled
+def velocity_by_braking(
+    lines: Array, projected: Array, count: int, limit: float, cost: float, x: float, z: float
+) -> tuple[float, float]:
+    """Return the allowed velocity of a walker that brakes rather than steps aside.
+
+    Two groups that cross would else carry each other off: who goes along with the others is never
+    past them.
+
+    Args:
+        lines: of velocities as of `allowed_velocity`; overwritten.
+        projected: room for as many.
+        count: number of people.
+        limit: greatest speed along the way.
+        cost: of a velocity across the way, relative to one along it.
+        x: of the wanted velocity.
+        z: of the wanted velocity.
+    """
+    speed = max(math.hypot(x, z), 1e-9)
+    c, s = x / speed, z / speed
+    # In coordinates along the way and, stretched, across it.
+    for k in range(2 * count):
+        px, pz, dx, dz = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
+        lines[k, 0], lines[k, 1] = c * px + s * pz, cost * (c * pz - s * px)
+        dx, dz = c * dx + s * dz, cost * (c * dz - s * dx)
+        size = math.hypot(dx, dz)
+        lines[k, 2], lines[k, 3] = dx / size, dz / size
+    along, across = allowed_velocity(lines, projected, count, limit, speed, 0.0)
+    across /= cost
+    return c * along - s * across, s * along + c * across
+
+
+@compiled
 def _least_offence(
     lines: Array,
     projected: Array,

@@ -66,6 +66,7 @@ HAND_RATE = 7.0  # of hands that reach for a place; settled after about 5/ω [ra
 OUTSTRETCHED_FRACTION = 0.97  # of the arm's length
 ELBOW_HANG = 0.35  # of elbows held aside, as a tangent
 ARM_SWING_ANGLE = math.radians(23.0)  # to both sides at the preferred walking speed
+LEAST_ARM_SWING = 0.25  # share of it that is left of arms that are kept to the body
 BOW_RANGE, MAX_BOW = 0.45, 1.5  # descent of the shoulders for the deepest bow, in their height;
 # its tangent
 MAX_CROUCH = 0.66  # descent of the hips, in their height
@@ -141,13 +142,14 @@ def _swing_place(person: Record, k: int) -> Vector:
     # A hand is ahead when the foot of the other side comes down.
     swing = phase_cosine(person, 1.0 - stance + (0.5 if k == 0 else 0.0))
     amount = person.walk_blend * min(froude(speed, leg) / 0.47, 1.0)
+    amount *= 1.0 - (1.0 - LEAST_ARM_SWING) * person.arms_in
     angle = ARM_SWING_ANGLE * amount * swing * (0.9 + 0.5 * running) + HANG_SWING
     bend = HANG_BEND + amount * math.radians(9.0) * (1.0 + 0.8 * swing)
     bend += running * math.radians(62.0)
     # The arm hangs down however the trunk leans.
     c, s = math.cos(person.heading), math.sin(person.heading)
     angle += 0.9 * math.atan(person.lean[0] * c - person.lean[1] * s) - 0.3 * running
-    outward = HANG_OUTWARD - 0.04 * running
+    outward = HANG_OUTWARD * (1.0 - 0.5 * person.arms_in) - 0.04 * running
     side = 1.0 if k == 1 else -1.0
     upper, forearm = person.upper_arm, person.forearm
     x = upper * math.sin(angle) + forearm * math.sin(angle + bend)

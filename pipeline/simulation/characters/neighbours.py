@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Records, compiled
+from pipeline.simulation.spatial import Array
 
 Numbers = NDArray[np.int64]
 
@@ -44,3 +45,25 @@ def find_neighbours(persons: Records, order: Numbers, n: int, reach: float, foun
             count += 1
             m += direction
     return count
+
+
+@compiled
+def insert_nearest(squares: Array, nearest: Numbers, count: int, square: float, number: int) -> int:
+    """Insert a person among the nearest, in order of distance; return how many there are.
+
+    Args:
+        squares: of the distances of the nearest [m²]; written.
+        nearest: numbers of these people; written.
+        count: how many there are.
+        square: of the distance of the person [m²].
+        number: of the person.
+    """
+    most = len(nearest)
+    k = min(count, most - 1)
+    if count == most and square >= squares[k]:
+        return count
+    while k > 0 and squares[k - 1] > square:
+        squares[k], nearest[k] = squares[k - 1], nearest[k - 1]
+        k -= 1
+    squares[k], nearest[k] = square, number
+    return min(count + 1, most)

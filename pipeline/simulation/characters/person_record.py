@@ -153,6 +153,8 @@ PERSON = np.dtype(
         ("detour", "f8"),
         # How much it squeezes through where it gets no further, 0 to 1.
         ("impatience", "f8"),
+        # How far it keeps its arms to the body, where others pass close by, 0 to 1.
+        ("arms_in", "f8"),
         # Whether it has left a place to make way, and that place, x and z [m].
         ("gave_way", "?"),
         ("post", "f8", 2),

@@ -8,11 +8,18 @@ import numpy as np
 import pytest
 
 from benchmarks.crossing import cross
+from pipeline.simulation.characters import arm_clearance, half_planes
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import headway_share
-from pipeline.simulation.characters.neighbours import find_neighbours, order_along_x
+from pipeline.simulation.characters.neighbours import (
+    find_neighbours,
+    insert_nearest,
+    order_along_x,
+)
 from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.characters.right_of_way import lag_at_crossing
 from pipeline.simulation.dynamics.record_array import zero_records
+from pipeline.simulation.spatial import Array
 from tests.simulation.characters.scripted_people import STEPS, play_scene
 
 
@@ -74,6 +81,40 @@ def test_walkers_in_a_crowd_keep_a_headway_by_their_speed(
     assert 1.3 * share == pytest.approx(fastest, abs=0.01)
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.8, -2.0])
+def test_walkers_in_a_crowd_brake_rather_than_step_aside(
+    turn: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nearest_on_line(
+        lines: Array, room: Array, count: int, limit: float, *wanted: float
+    ) -> Array:
+        point, direction = lines[0, :2], lines[0, 2:]
+        nearest: Array = point + direction * float(direction @ (np.array(wanted) - point))
+        return nearest
+
+    monkeypatch.setattr(half_planes, "allowed_velocity", nearest_on_line)
+    c, s = np.cos(turn), np.sin(turn)
+    to_world, point, direction = np.array([[c, -s], [s, c]]), np.array([0.7, 0.0]), [0.6, 0.8]
+    lines = np.tile(np.concatenate([to_world @ point, to_world @ direction]), (2, 1))
+    plain: Any = half_planes.velocity_by_braking
+    velocity = np.array(plain.py_func(lines, lines, 1, 1.4, 2.0, 1.2 * c, 1.2 * s)) @ to_world
+    off = velocity - point
+    assert direction[0] * off[1] - direction[1] * off[0] == pytest.approx(0.0, abs=1e-12)
+    # The least of what it costs to brake and to step aside, on the edge of what is allowed.
+    along, across = velocity - [1.2, 0.0]
+    assert along * direction[0] + 2.0**2 * across * direction[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_nearest_people_are_kept_whatever_the_order() -> None:
+    far = np.random.default_rng(2).permutation(30).astype(float)
+    plain: Any = insert_nearest
+    squares, nearest, count = np.zeros(8), np.zeros(8, dtype=np.int64), 0
+    for number, square in enumerate(far):
+        count = plain.py_func(squares, nearest, count, square, number)
+    assert count == 8
+    np.testing.assert_array_equal(nearest, np.argsort(far)[:8])
+
+
 def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() -> None:
     persons = zero_records(30, PERSON)
     x = np.random.default_rng(4).uniform(-8.0, 8.0, 30)
@@ -91,8 +132,39 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
             assert (np.diff(np.abs(side)) > 0.0).all()
 
 
+@pytest.mark.parametrize(
+    ("aside", "in_crowd", "kept"),
+    [(0.8, True, 1.0), (1.1, True, 0.5), (1.4, True, 0.0), (0.8, False, 0.0)],
+)
+def test_walkers_in_a_crowd_keep_their_arms_in_before_others_pass_close_by(
+    aside: float, in_crowd: bool, kept: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain: Any = arm_clearance._least_distance
+    monkeypatch.setattr(arm_clearance, "_least_distance", plain.py_func)
+    monkeypatch.setattr(arm_clearance, "walks_with", lambda *_: False)
+    two = zero_records(2, PERSON)
+    two["height"] = 1.7
+    two["at"], two["velocity"] = [[0.0, 0.0], [1.2, aside]], [[1.2, 0.0], [-1.2, 0.0]]
+    keep_arms_in: Any = arm_clearance.keep_arms_in
+    for _ in range(100):
+        keep_arms_in.py_func(two, two[0], np.array([1]), 1, in_crowd)
+    assert two["arms_in"][0] == pytest.approx(kept, abs=0.1)
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["head-on", "corner"])
 def test_two_groups_cross_without_a_blow(kind: str) -> None:
     out = cross(kind, 25, 1)
     assert out.is_good, out.text()
+
+
+def test_the_one_nearer_to_the_crossing_of_two_ways_goes_first() -> None:
+    plain: Any = lag_at_crossing
+    two = zero_records(2, PERSON)
+    two["at"], two["goal"] = [[-2.0, 0.0], [0.0, -1.4]], [[5.0, 0.0], [0.0, 6.0]]
+    assert plain.py_func(two[0], two[1]) == pytest.approx(0.6)
+    assert plain.py_func(two[1], two[0]) == pytest.approx(-0.6)
+    two["at"][1] = [0.0, 1.0]  # past the crossing
+    assert plain.py_func(two[0], two[1]) == 1.0
+    two["at"], two["goal"] = [[-2.0, 0.0], [2.0, 0.1]], [[5.0, 0.0], [-5.0, 0.0]]  # head-on
+    assert plain.py_func(two[0], two[1]) == 0.0

@@ -61,7 +61,7 @@ QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
 
 # Of velocity across the way, relative to that along it, where all others come from the side.
-MORE_SIDESTEP_COST = 2.0
+MORE_SIDESTEP_COST = 1.0
 
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights

@@ -42,7 +42,7 @@ _LEAST_ROUGHNESS = 6e-4
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 SPREAD_LOOKS = 4
-"""Number of directions from which a place of unseen waves mirrors the sky, in each pass."""
+"""Normals that are sampled of the waves below a pixel's width, in each pass."""
 
 _FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 3.0
 """Depth in which foam lies at a shore [m], and relative to the mean height of the waves."""
@@ -218,10 +218,10 @@ class Water:
     def mirrored(self, interface: Interface, ray: Any, radiance: Any, k: Any, passes: int) -> Any:
         """Return the mean light that waves below a pixel's width mirror from the sky.
 
-        Their slopes are Gaussian, which is Beckmann's distribution. They are drawn by what is seen
-        of them from the ray, and weighted by what they reflect; so flat rays see those that face
-        them. It is relative to the reflectance of the interface. All pixels draw the same numbers,
-        which leaves no noise.
+        The slopes are Gaussian (Beckmann's distribution). Normals are sampled in proportion to the
+        area that the ray sees of them, and weighted by their reflectance, so that grazing rays see
+        the waves that face them. The mean is relative to the reflectance of the interface. All
+        pixels use the same samples, which leaves no noise between neighbours.
 
         Args:
             interface: where rays meet the surface.

@@ -86,12 +86,12 @@ def edging_materials(light: Light) -> Mapping[str, Material]:
         "weathered": WEATHERED,
         **MATERIALS_OF_ROOMS,
         **MATERIALS_OF_HOUSES,
-        **(AFTER_DARK if is_dark(light) else {}),
+        **(AFTER_DARK if _is_dark(light) else {}),
     }
     return {f"edging {name}": material for name, material in made.items()}
 
 
-def is_dark(light: Light) -> bool:
+def _is_dark(light: Light) -> bool:
     """Return whether windows and street lamps are lit."""
     height = light_elevation_deg(light)
     if height is None or light.sun is None:
@@ -250,7 +250,7 @@ class Edging:
 
     def street_lamps(self, light: Light) -> tuple[Lamp, ...]:
         """Return the street lamps that are lit, those nearest to what the cameras look at."""
-        if not self.border.lanterns or not is_dark(light):
+        if not self.border.lanterns or not _is_dark(light):
             return ()
         places = np.concatenate(self.border.lanterns)
         to_target = places[:, None] - self.border.view.targets

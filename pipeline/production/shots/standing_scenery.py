@@ -115,7 +115,7 @@ class StandingScenery:
         """What stands still and gives light, such as windows at night."""
         return tuple(mesh for mesh in self._all[0] if self._glows(mesh))
 
-    @property
+    @cached_property
     def lamps(self) -> tuple[Lamp, ...]:
         """Street lamps that give light."""
         return () if self._edge is None else self._edge.street_lamps(self.scene.light)

@@ -46,8 +46,8 @@ def velocity_by_braking(
 ) -> tuple[float, float]:
     """Return the allowed velocity of a walker that brakes rather than steps aside.
 
-    Two groups that cross would else carry each other off: who goes along with the others is never
-    past them.
+    Without that, two groups that cross carry each other along: a walker that drifts with the
+    others never gets past them.
 
     Args:
         lines: of velocities as of `allowed_velocity`; overwritten.

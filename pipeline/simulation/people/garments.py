@@ -27,7 +27,7 @@ from pipeline.simulation.people.skinned_surface import (
     tube,
     with_mirror,
 )
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, cross, normalized
 
 SKIRT = (
     (0.280, 0.002, 0.096, 0.104, 0.150),
@@ -178,11 +178,35 @@ def bib(build: BodyMeasures) -> SkinnedPatch:
         (-0.062, 0.700, 0.020),
         (-0.056, 0.620, 0.010),
     )
-    points = np.array([(x * g, build.level(y), z * g) for x, y, z in line])
-    strap = tube(points, np.full(len(points), 0.0085 * g), 6).follow("chest")
+    strap = _strap(build, np.array([(x * g, build.level(y), z * g) for x, y, z in line]))
     levels = np.linspace(0.555, 0.745, 12)
     half = np.full(len(levels), 0.056)
     return merge_patches([_panel(build, levels, -half, half, 1.0), with_mirror(strap)])
+
+
+STRAP_STEPS, STRAP_WIDTH, STRAP_WORN = 28, 0.021, 1.6
+"""Rings of a strap, its width in girths, and how far it lies above the shirt, in layers of cloth:
+that parts by less where an arm is raised."""
+
+
+def _strap(build: BodyMeasures, line: Array) -> SkinnedPatch:
+    """Return a flat strap that lies on the shirt along a line (n, 3) about its surface."""
+    g, field = build.girth, symmetric_field(shirt_field(build))
+    step = 0.002 * g
+    at = np.linspace(0.0, len(line) - 1.0, STRAP_STEPS)
+    points = np.stack([np.interp(at, np.arange(len(line)), line[:, k]) for k in range(3)], axis=-1)
+    for _ in range(6):
+        offsets = step * np.eye(3)
+        rise = np.stack([field(points + o) - field(points - o) for o in offsets], axis=-1)
+        out = normalized(rise)
+        slope = np.maximum(np.linalg.norm(rise, axis=-1, keepdims=True) / (2.0 * step), 0.3)
+        points = points - np.clip(field(points)[:, None] / slope, -0.02 * g, 0.02 * g) * out
+    along = normalized(np.gradient(points, axis=0))
+    aside = 0.5 * STRAP_WIDTH * g * normalized(cross(out, along))
+    high, low = (points + worn * WORN * g * out for worn in (STRAP_WORN, -1.0))
+    rings = np.stack([low - aside, high - 0.8 * aside, high + 0.8 * aside, low + aside], axis=1)
+    solid = loft(rings, rings[[0, -1]].mean(axis=1))
+    return Surface(solid.vertices, solid.faces).follow("chest")
 
 
 PANEL_COLUMNS = 9

@@ -167,16 +167,16 @@ class PlumeVolume:
             x + bend * (2.0 * noise3(slow * x + 3.7, 0.9 * up, slow * z + self._seed[0]) - 1.0),
             z + bend * (2.0 * noise3(slow * x + 9.1, 0.9 * up, slow * z + self._seed[1]) - 1.0),
         )
-        noise = self._noise(2.8 * x * size, 0.62 * up, 2.8 * z * size, octaves)
-        body = 0.95 - out - 0.45 * s + (3.0 + 5.2 * s) * (noise - 0.53)
+        noise = self._noise(3.4 * x * size, 0.80 * up, 3.4 * z * size, octaves)
+        body = 0.95 - out - 0.35 * s + (3.6 + 7.0 * s) * (noise - 0.53)
         is_inside = (y > 0.0) & (y < self._height) & (out < 2.5)
-        share = dr.clip(5.0 * body, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
+        share = dr.clip(6.0 * body - 0.3, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
         # Gas burns where it meets the air: flames are bright sheets about a darker core.
         sheet = dr.exp(-dr.square((body - 0.3) / 0.24))
         share = dr.select(is_inside, share * (0.45 + 0.8 * sheet), 0.0)
         # Hottest low in the middle, where fuel burns; tips and rims cool.
         core = dr.exp(-2.6 * out - 4.0 * s * s)
-        heat = dr.clip(0.36 * body + 0.1 + 0.55 * core - 0.1 * s, 0.0, 1.0)
+        heat = dr.clip(0.42 * body + 0.16 + 0.46 * core - 0.1 * s, 0.0, 1.0)
         return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, wide
 
     def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
@@ -211,8 +211,8 @@ class PlumeVolume:
         """Return the radiance of the plume at a place if it hid all behind it."""
         if self.kind == "flame":
             # Soot at 1200 to 2000 K: the cooler the redder, and by far the darker.
-            tone = self._color * mi.Color3f(1.0, 0.4 + 1.9 * heat, 0.1 + 9.0 * heat * heat)
-            return tone * (self._glow / _FLAME_DEPTH * (0.1 + 9.0 * heat * heat * heat))
+            tone = self._color * mi.Color3f(1.0, 0.28 + 1.9 * heat, 0.04 + 7.0 * heat * heat)
+            return tone * (self._glow / _FLAME_DEPTH * (0.1 + 11.0 * heat * heat * heat))
         depth = mi.Float(0.0)
         before = 0.0
         for place in _LIGHT_STEPS:

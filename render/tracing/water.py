@@ -33,8 +33,8 @@ _SUNK = 0.6
 _WET_SHARE = 0.52
 """Brightness of wet ground relative to dry ground."""
 
-_WET_HEIGHT = 0.07
-"""Height to which water soaks the ground of a shore [m]."""
+_WET_HEIGHT, _WET_RAGGED = 0.07, 0.02
+"""Height to which water soaks the ground of a shore, and by how much more or less in places [m]."""
 
 _LEAST_ROUGHNESS = 6e-4
 """Mean squared slope of the waves that are too short to be in the sum."""
@@ -343,8 +343,11 @@ class Water:
         height = p.y - self.level
         if self.waves:
             height -= 0.5 * self._height(p.x, p.z)
+        # Incommensurable waves, never seen to repeat.
+        height += _WET_RAGGED * dr.sin(23.0 * p.x + 1.7 * dr.sin(17.0 * p.z)) * dr.sin(19.0 * p.z)
         wet = 1.0 - dr.clip(height / _WET_HEIGHT, 0.0, 1.0)
-        wet = wet * wet * (3.0 - 2.0 * wet) * dr.clip(2.0 * normal.y - 0.2, 0.0, 1.0)
+        # Sides of stones, too, but nothing that hangs over the water.
+        wet = wet * wet * (3.0 - 2.0 * wet) * dr.clip(2.0 * normal.y + 1.0, 0.0, 1.0)
         return 1.0 - (1.0 - _WET_SHARE) * wet
 
     def glitter(self, interface: Interface, ray: Any, sample: Any, arriving: Any) -> Any:

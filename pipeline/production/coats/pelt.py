@@ -77,9 +77,9 @@ on they are: a coat of strands as long as a few pixels would look like a carpet.
 LEAST_RELIEF = 0.2
 """Share of the shades of a strand that is left where it is not told apart."""
 
-FLATTENED, WIDENED = 0.8, 0.7
-"""How much flatter such strands lie, and how much wider they are: shade between them, and the skin
-below, would be dots as wide as a pixel."""
+FLATTENED, WIDENED, LEAST_BOW = 0.95, 1.0, 0.2
+"""How much flatter such strands lie, how much wider they are, and the share that is left of their
+bow: shade between them, and the skin below, would be dots as wide as a pixel."""
 
 TUFT, TUFT_TINT, TUFT_ASTRAY = 3.5, 0.07, 0.20
 """Size of tufts in the length of the hair there, deviation of their brightness, and of their lay to
@@ -195,7 +195,7 @@ def _ribbons(
     """Return vertices and normals (N, 5, 3) of ribbons that face the camera."""
     side = normalized(cross(tip - root, eye - root))
     half = 0.5 * width[:, None] * side
-    middle = 0.5 * (root + tip) + BOW * length * n
+    middle = 0.5 * (root + tip) + max(relief, LEAST_BOW) * BOW * length * n
     placed = np.stack([root - half, root + half, middle - 0.8 * half, middle + 0.8 * half, tip], 1)
     turn = relief * SIDE_TURN * side
     return placed, np.stack([n - turn, n + turn, n - turn, n + turn, n], 1)

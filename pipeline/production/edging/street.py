@@ -15,9 +15,10 @@ from pipeline.production.edging.border import CLEAR, FOREGROUND, Border
 from pipeline.production.edging.cords import pennants
 from pipeline.production.edging.facade import WINDOWS, bays
 from pipeline.production.edging.house import MIXES, PLASTERS, House, tall
+from pipeline.production.edging.ivy import WIDTH as IVY_WIDTH
+from pipeline.production.edging.ivy import ivy, nearest_height
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import pots
-from pipeline.production.edging.turned import ivy
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.prototype import UP
 from pipeline.simulation.spatial import Array
@@ -217,12 +218,14 @@ def dress(border: Border, house: House, rng: np.random.Generator) -> None:
     for side in (-1.0, 1.0):
         if rng.uniform() > CLIMBERS:
             continue
-        broad, high = rng.uniform(1.3, 2.2), rng.uniform(0.55, 0.95) * tall_
+        broad, high = rng.uniform(1.7, 2.4), rng.uniform(0.55, 0.95) * tall_
         at = house.at((side * (0.5 * wide - 0.42 * broad), 0.0, 0.02))
         at[1] = house.foot
         level = int(border.view.distances(at[None])[0] / border.detail > 14.0)
-        size = np.array([[broad, high + house.level - house.foot, 1.0]])
-        shape = ivy(int(rng.integers(0, 4)), level)
+        high += house.level - house.foot
+        own = nearest_height(high)
+        size = np.array([[broad / IVY_WIDTH, high / own, 1.0]])
+        shape = ivy(int(rng.integers(0, 4)), level, own)
         border.leaves.append(Copies(shape, at[None], turn, size, np.ones((1, 3))))
 
 

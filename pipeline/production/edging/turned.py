@@ -1,4 +1,4 @@
-"""Turned shapes: fountain, pot and bowl as shapes of revolution, and climbing plants on walls."""
+"""Turned shapes: fountain, pot, vase and lamp as shapes of revolution."""
 
 from __future__ import annotations
 
@@ -6,16 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from pipeline.production.scenery.branches import Skeleton, add_bark, grown
-from pipeline.production.scenery.prototype import (
-    UP,
-    Color,
-    Prototype,
-    Shape,
-    add_leaves,
-    mixed,
-    random_directions,
-)
+from pipeline.production.scenery.prototype import Color, Prototype, Shape, mixed
 from pipeline.production.scenery.stones import rough
 from pipeline.production.surroundings.lattice_noise import smoothstep
 
@@ -48,19 +39,6 @@ LAMP = (
 
 STONE, DAMP = (0.33, 0.30, 0.25), (0.14, 0.145, 0.10)
 CLAY = (0.36, 0.165, 0.09)
-LEAF, YOUNG = (0.045, 0.085, 0.022), (0.14, 0.2, 0.05)
-
-IVY_WIDTH, IVY_HEIGHT = 1.0, 1.0
-"""Of a climbing plant at scale 1 [m]."""
-
-STEM = (0.09, 0.066, 0.046)
-"""Linear colour of its runners."""
-
-IVY_LEAVES = (2600, 1100)
-"""Number of its leaves by level of detail."""
-
-IVY_STEP, IVY_SPREAD = 0.035, 0.028
-"""Step by which its runners grow, and deviation of the leaves from them, relative to its size."""
 
 
 def _turned(profile: tuple[tuple[float, float], ...], tone: Color, *, damp: bool = False) -> Shape:
@@ -116,46 +94,3 @@ def vase() -> Prototype:
 def lamp() -> Prototype:
     """Return a lamp of pale wood with a shade of paper."""
     return _turned(LAMP, tone=(0.72, 0.62, 0.46)).prototype()
-
-
-def _runners(rng: np.random.Generator, seed: int) -> Skeleton:
-    """Return the runners of a climbing plant, which fan out and climb in the plane of a wall."""
-    count = 700
-    x, y = rng.uniform(-0.5, 0.5, count), rng.uniform(0.0, 1.0, count)
-    # Patches of the wall stay bare, more of them high up and at both sides.
-    gaps = rough(np.column_stack([4.0 * x, 5.0 * y, 0.0 * x]), seed, 3)
-    kept = gaps + 0.55 - 0.5 * y - 1.6 * x**2 > 0.0
-    space = np.column_stack([x, y, np.zeros(count)])[kept]
-    stems = [
-        np.linspace([side, -0.02, 0.0], [1.6 * side, 0.08, 0.0], 4)
-        for side in rng.uniform(-0.16, 0.16, 3)
-    ]
-    return grown(stems, space, IVY_STEP, 0.022, reach=7.0)
-
-
-@lru_cache(maxsize=8)
-def ivy(seed: int, level: int) -> Prototype:
-    """Return a climbing plant before a wall that faces +z, a metre wide and high from its foot."""
-    rng, shape = np.random.default_rng([seed, 437, level]), Shape()
-    runners = _runners(rng, seed)
-    add_bark(shape, runners, np.tile(STEM, (len(runners.nodes), 1)), (0.004, 0.02)[level > 0], 4)
-    n = IVY_LEAVES[min(level, 1)]
-    # Old runners near the foot are clothed most, and the tips of young ones least.
-    reach = runners.nodes[:, 1] / max(float(runners.nodes[:, 1].max()), 1e-9)
-    weight = 1.0 - 0.7 * reach**2
-    at = rng.choice(len(reach), n, p=weight / weight.sum())
-    x, y = (runners.nodes[at, :2] + rng.normal(0.0, IVY_SPREAD, (n, 2)) * [1.0, 0.4]).T
-    y = np.maximum(y, 0.0)
-    out = rng.uniform(0.02, 0.16, n) * (1.0 - 0.4 * y)
-    base = np.column_stack([x, y, out])
-    way = random_directions(rng, n) * 0.7 + [0.0, -0.5, 0.35]
-    face = random_directions(rng, n) * 0.5 + [0.0, 0.35, 1.0]
-    lit = smoothstep(0.02, 0.14, out) * rng.uniform(0.3, 1.0, n)
-    color = mixed(LEAF, YOUNG, lit) * rng.uniform(0.75, 1.25, (n, 1))
-    size = (0.055, 0.085)[min(level, 1)] * rng.uniform(0.7, 1.25, n)
-    # Copies are taller than wide: leaves are drawn the other way round.
-    add_leaves(
-        *(shape, base, way * [1.0, 0.45, 1.0], face, size, 0.8 * size, color, face + 0.2 * UP),
-        triangles=1 if level else 2,
-    )
-    return shape.prototype()

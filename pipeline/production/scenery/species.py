@@ -155,7 +155,7 @@ def _stone(seed: int, level: int) -> Prototype:
 
 
 def _pebbles(seed: int, level: int) -> Prototype:
-    return stones.pebbles(seed, (10, 9, 6)[level], (1, 0, 0)[level])
+    return stones.pebbles(seed, (22, 12, 6)[level], (1, 0, 0)[level])
 
 
 KINDS: dict[str, Species] = {

@@ -113,17 +113,29 @@ def stone(seed: int, halvings: int, *, edged: float = 1.0, flat: float = 0.62) -
     return shape.prototype()
 
 
+SMALLEST, LARGEST, STEEPNESS = 0.0045, 0.042, 0.62
+"""Half the lengths of the smallest and of the largest pebble [m], and the steepness of the power
+law of the sizes between them: many are grit, few are stones."""
+
+COARSE = 0.009
+"""Size below which a pebble is drawn with a fourth of the triangles [m]."""
+
+
 def pebbles(seed: int, count: int, halvings: int) -> Prototype:
-    """Return pebbles, each about 5 cm long, strewn over 0.5 m."""
+    """Return pebbles from 1 to 8 cm long, strewn in heaps over 0.5 m."""
     rng = np.random.default_rng(seed)
     shape = Shape()
+    heaps = rng.normal(0.0, 0.16, (3, 3)) * [1, 0, 1]
     for k in range(count):
-        one = stone(1000 * seed + k, halvings, edged=0.85, flat=0.5)
-        angle, size = rng.uniform(0, 2 * np.pi), 0.011 * float(np.exp(rng.normal(0.25, 0.5)))
+        angle, share = rng.uniform(0, 2 * np.pi), rng.uniform()
+        size = min(SMALLEST * (1.0 - share) ** -STEEPNESS, LARGEST)
+        fineness = halvings if size > COARSE else max(halvings - 1, 0)
+        one = stone(1000 * seed + k, fineness, edged=0.85, flat=0.5)
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         # Sunk into the soil by some of their height: they do not lie on it like eggs.
-        at = rng.normal(0.0, 0.17, 3) * [1, 0, 1] - [0.0, 0.14 * size, 0.0]
+        spread = (0.05, 0.14)[k % 2]
+        at = heaps[k % 3] + rng.normal(0.0, spread, 3) * [1, 0, 1] - [0.0, 0.14 * size, 0.0]
         light = np.exp(rng.normal(0.1, 0.3)) * np.array([1.0, *rng.normal([1, 0.98], 0.03)])
         shape.add(
             one.vertices @ turn.T * size + at,

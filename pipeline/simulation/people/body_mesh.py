@@ -103,8 +103,9 @@ def shirt_field(build: BodyMeasures) -> Field:
     """Return the solid of a trunk in a shirt, from below its hem to its collar."""
     girth = build.girth
     torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
-    neck = np.array([-0.010 * girth, build.level(0.825), 0.018 * girth])
-    tip = np.array([0.0, build.level(0.802), build.shoulders - 0.010 * girth])
+    # The trapezius slopes down from the sides of the neck to the shoulders.
+    neck = np.array([-0.014 * girth, build.level(0.838), 0.022 * girth])
+    tip = np.array([0.0, build.level(0.794), build.shoulders - 0.010 * girth])
     right, left = (
         round_cone(neck * m, tip * m, 0.026 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
     )
@@ -148,10 +149,10 @@ def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     arm = offset_solid(oval_stack(build.outline(ARM), z), SLEEVE_THICKNESS * girth)
     # The deltoid stands out beside the joint, and ends in a hollow above the biceps.
     shoulder = round_cone(
-        (-0.001 * girth, top - 0.014 * girth, z - 0.004 * girth),
-        (0.002 * girth, top - 0.050 * girth, z + 0.0015 * girth),
-        0.0236 * girth,
-        0.0264 * girth,
+        (-0.001 * girth, top - 0.020 * girth, z - 0.005 * girth),
+        (0.002 * girth, top - 0.052 * girth, z + 0.0005 * girth),
+        0.0228 * girth,
+        0.0256 * girth,
     )
     end = build.level(0.715 if short_sleeves else 0.500)
     depth = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, z)

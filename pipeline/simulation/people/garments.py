@@ -5,6 +5,9 @@ Skirts of dresses and coats follow the pelvis at the waist, and the thighs the l
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
@@ -20,6 +23,7 @@ from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
     Surface,
     cached_part,
+    ellipsoid_surface,
     merge_patches,
     polygonise,
     ramp,
@@ -27,7 +31,8 @@ from pipeline.simulation.people.skinned_surface import (
     tube,
     with_mirror,
 )
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.people.wardrobe import Garment
+from pipeline.simulation.spatial import Array, cross, normalized
 
 SKIRT = (
     (0.280, 0.002, 0.096, 0.104, 0.150),
@@ -125,17 +130,18 @@ def suit_front(build: BodyMeasures) -> SkinnedPatch:
     levels = np.linspace(V_LOW, V_HIGH, 12)
     edge = _opening(levels)
     g = build.girth
-    angle = np.radians(np.linspace(12.0, 348.0, 21))
-    # Lower in front than in the neck.
+    angle = np.radians(np.linspace(8.0, 352.0, 25))
+    # Lower in front than in the neck, and drawn out to two points beside the knot of the tie.
+    point = ramp(np.abs(angle - np.pi), np.radians(140.0), np.radians(172.0))
     line = np.stack(
         [
-            -0.010 * g + 0.0380 * g * np.cos(angle),
-            build.level(0.847) - 0.009 * g * (1.0 + np.cos(angle)),
-            0.0380 * g * np.sin(angle),
+            -0.010 * g + (0.0380 + 0.003 * point) * g * np.cos(angle),
+            build.level(0.847) - (0.009 * (1.0 + np.cos(angle)) + 0.012 * point) * g,
+            (0.0380 + 0.018 * point) * g * np.sin(angle),
         ],
         axis=-1,
     )
-    collar = tube(line, np.full(len(line), 0.0080 * g), 6).follow("chest")
+    collar = tube(line, (0.0080 - 0.0055 * point) * g, 6).follow("chest")
     return merge_patches([_panel(build, levels, -edge, edge, 0.4), collar])
 
 
@@ -178,11 +184,101 @@ def bib(build: BodyMeasures) -> SkinnedPatch:
         (-0.062, 0.700, 0.020),
         (-0.056, 0.620, 0.010),
     )
-    points = np.array([(x * g, build.level(y), z * g) for x, y, z in line])
-    strap = tube(points, np.full(len(points), 0.0085 * g), 6).follow("chest")
+    strap = _strap(build, np.array([(x * g, build.level(y), z * g) for x, y, z in line]))
     levels = np.linspace(0.555, 0.745, 12)
     half = np.full(len(levels), 0.056)
     return merge_patches([_panel(build, levels, -half, half, 1.0), with_mirror(strap)])
+
+
+@dataclass(frozen=True, slots=True)
+class Front:
+    """The front of a garment that opens in the middle.
+
+    Attributes:
+        seam: ends of the seam along its edge, as fractions of an adult's height.
+        buttons: their heights likewise.
+        button: radius of a button, in girths.
+        shade: of a button: dark horn, or pale ones of a shirt.
+    """
+
+    seam: tuple[float, float]
+    buttons: tuple[float, ...]
+    button: float
+    shade: float
+
+
+FRONTS: Mapping[Garment, Front] = {
+    "suit": Front((0.525, 0.684), (0.634, 0.668), 0.0062, 0.25),
+    "coat": Front((0.615, 0.815), (0.640, 0.686, 0.732, 0.778), 0.0062, 0.25),
+    "tucked": Front((0.605, 0.822), (0.640, 0.674, 0.708, 0.742, 0.776, 0.810), 0.0036, 0.6),
+}
+"""Fronts of those garments that have one."""
+
+BUTTON_DEPTH = 0.42
+"""Depth of a button, in its radius."""
+
+FRONT_EDGE, FLAP = (0.008, 0.0115), (0.564, 0.580)
+"""Ends of the seam along the edge of the front, aside, and heights of the flap of a pocket."""
+
+SEAM_SHADE, FLAP_SHADE = 0.55, 0.85
+"""Shades of a seam, and of a flap that lies on the cloth."""
+
+
+@cached_part
+def fastenings(build: BodyMeasures, garment: Garment) -> SkinnedPatch:
+    """Return buttons and the seam of the front edge, and the pockets of a jacket."""
+    front = FRONTS[garment]
+    levels = np.linspace(*front.seam, 14)
+    inner, outer = (np.full(len(levels), aside) for aside in FRONT_EDGE)
+    parts = [_shaded(_panel(build, levels, inner, outer, 0.25), SEAM_SHADE)]
+    parts += [_button(build, front, height) for height in front.buttons]
+    if garment == "suit":
+        flap = np.linspace(*FLAP, 4)
+        ends = np.full(len(flap), 0.036), np.full(len(flap), 0.070)
+        parts.append(with_mirror(_shaded(_panel(build, flap, *ends, 0.9), FLAP_SHADE)))
+        slit = np.linspace(0.744, 0.752, 3)
+        ends = np.full(len(slit), -0.066), np.full(len(slit), -0.042)
+        parts.append(_shaded(_panel(build, slit, *ends, 0.6), FLAP_SHADE))
+    return merge_patches(parts)
+
+
+def _shaded(patch: SkinnedPatch, shade: float) -> SkinnedPatch:
+    return replace(patch, shade=np.full(len(patch.vertices), shade))
+
+
+def _button(build: BodyMeasures, front: Front, height: float) -> SkinnedPatch:
+    """Return a button on the middle of the front."""
+    g, y = build.girth, build.level(height)
+    x = float(_front_of_shirt(build, np.array([y]), np.zeros(1))[0])
+    radii = front.button * g * np.array([BUTTON_DEPTH, 1.0, 1.0])
+    solid = ellipsoid_surface(np.array([x + 0.5 * WORN * g, y, 0.0]), radii, 3, 8)
+    share = chest_share(build, solid.vertices[:, 1])
+    return _shaded(solid.follow("pelvis", "chest", share), front.shade)
+
+
+STRAP_STEPS, STRAP_WIDTH, STRAP_WORN = 28, 0.021, 1.6
+"""Rings of a strap, its width in girths, and how far it lies above the shirt, in layers of cloth:
+that parts by less where an arm is raised."""
+
+
+def _strap(build: BodyMeasures, line: Array) -> SkinnedPatch:
+    """Return a flat strap that lies on the shirt along a line (n, 3) about its surface."""
+    g, field = build.girth, symmetric_field(shirt_field(build))
+    step = 0.002 * g
+    at = np.linspace(0.0, len(line) - 1.0, STRAP_STEPS)
+    points = np.stack([np.interp(at, np.arange(len(line)), line[:, k]) for k in range(3)], axis=-1)
+    for _ in range(6):
+        offsets = step * np.eye(3)
+        rise = np.stack([field(points + o) - field(points - o) for o in offsets], axis=-1)
+        out = normalized(rise)
+        slope = np.maximum(np.linalg.norm(rise, axis=-1, keepdims=True) / (2.0 * step), 0.3)
+        points = points - np.clip(field(points)[:, None] / slope, -0.02 * g, 0.02 * g) * out
+    along = normalized(np.gradient(points, axis=0))
+    aside = 0.5 * STRAP_WIDTH * g * normalized(cross(out, along))
+    high, low = (points + worn * WORN * g * out for worn in (STRAP_WORN, -1.0))
+    rings = np.stack([low - aside, high - 0.8 * aside, high + 0.8 * aside, low + aside], axis=1)
+    solid = loft(rings, rings[[0, -1]].mean(axis=1))
+    return Surface(solid.vertices, solid.faces).follow("chest")
 
 
 PANEL_COLUMNS = 9

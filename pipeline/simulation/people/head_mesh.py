@@ -246,10 +246,10 @@ def ears(head: Head) -> SkinnedPatch:
     return with_mirror(replace(patch, tint=red))
 
 
-EYE_RINGS_DEG = np.array([7.0, 12.0, 13.0, 20.0, 27.0, 30.0, 32.0, 46.0, 66.0, 90.0, 130.0])
+EYE_RINGS_DEG = np.array([8.0, 14.0, 15.0, 22.0, 29.0, 30.0, 34.0, 36.0, 50.0, 68.0, 90.0, 130.0])
 """Rings of an eyeball around its axis, denser where its colour changes."""
 
-PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 12.5, 27.5, 31.0
+PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 14.5, 29.5, 35.0
 """Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
 
 LID_SHADE, CORNER_SHADE = 0.52, 0.30
@@ -457,6 +457,8 @@ def _hair_gloss(places: Array, normals: Array) -> Array:
     tint = np.stack([np.full(len(places), float(SHEEN)), GLOSS * band * locks], axis=-1)
     point, normal = (np.array(v) for v in HAIR_LINE)
     edge = BABY_HAIR * ramp((places - point) @ normalized(normal), -0.055, -0.005)
+    # Long hair that hangs beside the face is as thick as elsewhere.
+    edge *= ramp(places[:, 1], 0.04, 0.18)
     thin = edge > tint[:, 1]
     tint[thin] = np.stack([np.full(len(edge), float(BLUSH)), edge], axis=-1)[thin]
     return tint

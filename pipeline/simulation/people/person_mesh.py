@@ -18,8 +18,10 @@ from pipeline.simulation.people.body_mesh import (
 from pipeline.simulation.people.features import Features, with_features
 from pipeline.simulation.people.footwear import shoes
 from pipeline.simulation.people.garments import (
+    FRONTS,
     bib,
     coat_skirt,
+    fastenings,
     hood,
     lapels,
     skirt,
@@ -177,6 +179,7 @@ def _layers(
         worn.append(lapels(build))
     elif "hood" not in garments:
         worn.append(collar(build, not FOLDED_COLLARS.isdisjoint(garments)))
+    worn += [fastenings(build, word) for word in garments if word in FRONTS]
     worn.append(cuffs(build, short_sleeves))
     yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
     legs = [skirt(build)] if "skirt" in garments else [trousers(build, shorts, "coat" in garments)]

@@ -20,7 +20,7 @@ Word = TypeVar("Word", bound=str)
 
 LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
 
-DARK_HAIR = ("black fur", "black fur", "chestnut fur")
+DARK_HAIR = ("black fur", "black fur", "brown fur")
 
 LIGHT_IRISES = ("blue iris", "brown iris", "green iris")
 

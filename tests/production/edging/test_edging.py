@@ -14,7 +14,8 @@ from pipeline.production.edging.edging import LIT_LAMPS, Edging, Setting, edging
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
-from pipeline.production.edging.turned import fountain, ivy, lamp, pot, vase
+from pipeline.production.edging.ivy import ivy
+from pipeline.production.edging.turned import fountain, lamp, pot, vase
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS
 from pipeline.production.scenery.film_view import FilmView
@@ -234,7 +235,7 @@ def test_squares_are_paved_to_the_houses_and_furnished() -> None:
 
 
 def test_what_grows_and_turns_is_of_sound_shapes() -> None:
-    for made in (fountain(), pot(), vase(), lamp(), ivy(1, 0), ivy(2, 1)):
+    for made in (fountain(), pot(), vase(), lamp(), ivy(1, 0, 3.0), ivy(2, 1, 6.5)):
         assert np.isfinite(made.vertices).all()
         assert made.triangles > 100
         assert made.vertices[:, 1].min() > -0.2

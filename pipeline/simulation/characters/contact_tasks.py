@@ -16,7 +16,12 @@ from pipeline.simulation.characters.person_tasks import (
     place_text,
     shoulder_height,
 )
-from pipeline.simulation.characters.standoff import BOWED_RANGE, BOWING_TOLERANCE, Standoff
+from pipeline.simulation.characters.standoff import (
+    BOWED_RANGE,
+    BOWING_TOLERANCE,
+    LEAST_RANGE,
+    Standoff,
+)
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.spatial import Array
 
@@ -37,6 +42,9 @@ PALM_OFFSET = 0.045  # of the wrist from a surface that the hand touches, in hei
 CHEST_DEPTH = 0.06  # of a chest before its middle, in heights
 HAND_AT_PLACE = 0.04  # distance at which a hand has reached a place, in heights
 HANDED_MASS = 0.1  # below which a thing goes from hand to hand, in the person's mass
+STOPPING_SLACK, STOPPED_SLACK = 0.12, 0.2
+"""Distance beyond the range of hands at which a person stops, and sets out again, in arms."""
+
 GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
 
 
@@ -175,19 +183,25 @@ class Grab(Task):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         person, p = controller.record, controller.view.p
-        for k in self.hands:
-            self.nodes.setdefault(k, controller.node_to_grip(self.owner, self.part, k))
+        self.nodes = self.nodes or self._choose_nodes(controller)
         if all(controller.held_node(k) >= 0 for k in self.hands):
+            self.joins = self.leads_hands = False
             return True
         first = p[self.nodes[self.hands[0]]]
         is_high = first[1] - person.floor > 0.4 * person.height
         near = (0.8 if is_high else BOWED_RANGE) * controller.arm
         near += controller.ball_radius(self.owner)
-        is_walking = controller.ground_distance(first) > near + 0.12 * controller.arm
+        # One that has stopped does not set out again for what its bow moves it away.
+        is_stopped = not person.has_goal or self.standoff.is_stepping
+        far = near + (STOPPED_SLACK if is_stopped else STOPPING_SLACK) * controller.arm
+        is_walking = controller.ground_distance(first) > far
         held = controller.hands_holding(controller.view.names[self.owner])
-        # What hangs from one hand is not run after.
-        self.joins = self.leads_hands = bool(held) and (self.joins or is_walking)
+        # What hangs from one hand is neither run after nor stepped off from.
+        is_ready = not is_walking and (is_high or self._is_bowed_to(controller, first))
+        joined_before = self.joins
+        self.joins = self.leads_hands = bool(held) and (joined_before or not is_ready)
         if self.joins:
+            self.progress = self.progress if joined_before else TaskProgress()
             self._join_hands(controller, held, dt)
             return False
         if is_walking and not self.standoff.is_stepping:
@@ -207,6 +221,36 @@ class Grab(Task):
             self._close_hands(controller, dt)
         return False
 
+    def _choose_nodes(self, controller: PersonController) -> dict[int, int]:
+        """Return the node of each hand; two hands take two, near them and about the middle.
+
+        A hand that holds one keeps it.
+        """
+        view = controller.view
+        first, count = (int(n) for n in view.arrays.owners[self.owner].nodes)
+        if self.part is not None or len(self.hands) < 2 or count < 2:
+            return {k: controller.node_to_grip(self.owner, self.part, k) for k in self.hands}
+        places = view.nodes(self.owner)
+        left, right = (np.linalg.norm(places - controller.hand(k), axis=1) for k in range(2))
+        middles = 0.5 * (places[:, None] + places) - places.mean(axis=0)
+        cost = left[:, None] + right + np.linalg.norm(middles[..., [0, 2]], axis=-1)
+        np.fill_diagonal(cost, math.inf)
+        held = [controller.held_node(k) - first for k in range(2)]
+        if 0 <= held[0] < count:
+            cost[np.arange(count) != held[0]] = math.inf
+        if 0 <= held[1] < count:
+            cost[:, np.arange(count) != held[1]] = math.inf
+        i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
+        return {0: first + int(i), 1: first + int(j)}
+
+    def _is_bowed_to(self, controller: PersonController, place: Array) -> bool:
+        """Tell whether the person stands where it can bow to a low place without a step."""
+        is_faced = float(controller.direction_to(place) @ controller.ahead) > math.cos(
+            BOWING_TOLERANCE
+        )
+        is_near = controller.ground_distance(place) < LEAST_RANGE * controller.arm
+        return is_faced and not is_near and not self.standoff.is_stepping
+
     def _join_hands(self, controller: PersonController, held: tuple[int, ...], dt: float) -> None:
         """Bring what one hand holds before the waist, and close the other around it."""
         controller.stop()
@@ -215,11 +259,11 @@ class Grab(Task):
         flat = view.nodes(self.owner) - view.nodes(self.owner).mean(axis=0)
         right = np.array([-controller.ahead[2], 0.0, controller.ahead[0]])
         width, depth = (float(np.abs(flat @ axis).max()) for axis in (right, controller.ahead))
+        self.nodes = self._choose_nodes(controller)
         for k in {*held, *self.hands}:
             if k in held:
                 controller.lead_hand(k, controller.place_before(k, width, depth))
                 continue
-            self.nodes[k] = controller.node_to_grip(self.owner, self.part, k)
             place = view.p[self.nodes[k]]
             controller.lead_hand(k, place)
             distance = math.dist(controller.hand(k), place)

@@ -11,6 +11,8 @@ from pipeline.simulation.characters.contact_tasks import (
     GRAB_PATIENCE,
     PATIENCE,
     STANDING_RANGE,
+    STOPPED_SLACK,
+    STOPPING_SLACK,
     Grab,
 )
 from pipeline.simulation.characters.grasp import (
@@ -113,7 +115,7 @@ class GrabMember(TargetTask):
         is_stopped = not person.has_goal or self.standoff.is_stepping
         if self._rolls_away(controller, state, dt):
             return False
-        if distance > near + (0.2 if is_stopped else 0.12) * controller.arm:
+        if distance > near + (STOPPED_SLACK if is_stopped else STOPPING_SLACK) * controller.arm:
             self.standoff.is_stepping, self.is_walking = False, True
             self.stick(self.walk_to(controller, soon, near, dt), self.approach)
             return False
@@ -343,8 +345,9 @@ class CarryTo(Task):
             if not is_over:
                 move[1] = max(rise, 0.06 - (thing.low[1] - height))
         hands = controller.hands_holding(self.thing)
+        # Hands on two places of a thing stay on them.
+        both = len(hands) == 2 and controller.held_node(0) == controller.held_node(1)
         for k in hands:
-            both = len(hands) == 2
             hand = grasp_place(controller, thing, k, both) if both else controller.hand(k)
             wrist = hand + move
             lift = lift_over_knees(controller, k, wrist) if surface is None else 0.0

@@ -34,7 +34,7 @@ SHOVING_RATE = 1.5  # speed of the last steps to a shove, by the distance that i
 DRAWING_RANGE = 0.6  # beyond the former, within which hands are drawn back, in arm lengths
 STRIKING_RANGE = 0.2  # beyond the former, within which they strike, in arm lengths
 SHOVING_TOLERANCE = math.radians(30.0)  # of the turn to the partner
-HIGHEST, LOWEST = 0.2, 0.75  # of the hands above and below the own shoulders, in arm lengths
+HIGHEST, LOWEST = 0.45, 0.75  # of the hands above and below the own shoulders, in arm lengths
 
 DRAWING_TIME = 0.4  # for which hands are drawn back, as a rule [s]
 STRIKING_TIME = 0.3  # in which they strike out and push [s]
@@ -131,6 +131,11 @@ class Grapple(Task):
         """Tell whether a chest is too low to be pushed from standing upright."""
         return bool(chest[1] < shoulder_height(controller) - 1.01 * LOWEST * controller.arm)
 
+    def _is_tall(self, controller: PersonController) -> bool:
+        """Tell whether the character stands so tall that hands get no higher than its belly."""
+        spine = float(controller.view.nodes(self.owner)[SPINE, 1])
+        return spine > shoulder_height(controller) + HIGHEST * controller.arm
+
     def _size(self, controller: PersonController) -> float:
         """Return the height of the character [m]."""
         nodes = controller.view.nodes(self.owner)
@@ -205,6 +210,9 @@ class Grapple(Task):
         nodes = view.nodes(self.owner)
         depth = PALM_DEPTH * 0.5 * float(controller.record.height)
         a, b = nodes[SPINE], nodes[SHOULDERS]
+        if self._is_tall(controller):
+            # A small child gets no higher than the belly of a tall adult.
+            a, b = nodes[PELVIS], nodes[SPINE]
         share = float((hand - a) @ (b - a)) / max(float((b - a) @ (b - a)), 1e-9)
         near = a + min(max(share, 0.0), 1.0) * (b - a)
         return math.dist(hand, near) < depth + PALM_DEPTH * 0.5 * self._size(controller)

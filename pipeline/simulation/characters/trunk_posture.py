@@ -73,6 +73,7 @@ DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shi
 
 SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
 MAX_TWIST = math.radians(90.0)  # of the shoulders against the pelvis
+REACHING_TWIST = math.radians(20.0)  # of them towards one hand that reaches down, at a bow of 1
 MAX_LEAN = 1.6  # tangent of the trunk's lean
 
 CHEST_LINK = tuple(SEGMENTS).index("chest")  # among the links of a person
@@ -368,7 +369,8 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
 @compiled
 def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> None:
     gaze_yaw = wrap_angle(person.gaze[0] - person.heading)
-    twist_target = min(max(0.4 * gaze_yaw, -MAX_TWIST), MAX_TWIST)
+    twist_target = 0.4 * gaze_yaw + _reaching_twist(person)
+    twist_target = min(max(twist_target, -MAX_TWIST), MAX_TWIST)
     person.twist, person.twist_rate = spring_step(
         person.twist, person.twist_rate, twist_target, 5.0, dt
     )
@@ -389,6 +391,16 @@ def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> N
     c, s = math.cos(person.gaze[0]), math.sin(person.gaze[0])
     neck = trunk_frame(yaw, 0.35 * x + nod * c, 0.35 * z - nod * s, 0.0)
     put(person.targets, HEAD, place_in_world(shoulders, neck, 0.0, person.neck, 0.0))
+
+
+@compiled
+def _reaching_twist(person: Record) -> float:
+    """Return the twist that brings the shoulder of one hand that reaches down ahead and lower."""
+    is_left, is_right = person.arm_mode[0] == PLACED, person.arm_mode[1] == PLACED
+    if is_left == is_right or person.sit_blend > 0.0:
+        return 0.0
+    twist: float = REACHING_TWIST * person.bow
+    return twist if is_right else -twist
 
 
 @compiled

@@ -36,3 +36,14 @@ def test_a_shove_throws_the_other_back_and_hurts() -> None:
     ankles = play.records["ankles"][:, 1]
     changes = np.diff(np.diff(ankles, axis=0) * STEPS, axis=0)
     assert np.linalg.norm(changes, axis=2).max() < 4.0
+
+
+def test_a_small_child_shoves_the_belly_of_a_tall_adult() -> None:
+    scene = SCENE.replace("duration: 2.6", "duration: 4").replace(
+        "a, character: adult, at: [-1.2, 0]", "a, character: child, scale: 0.9, at: [-1.2, 0]"
+    )
+    assert "child" in scene
+    play = play_scene(scene)
+    assert play.when("a")
+    pushed = play.joint("b", "pelvis")
+    assert pushed[-1, 0] - pushed[0, 0] > 0.02

@@ -22,6 +22,7 @@ from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.obstacles import directions
 from pipeline.simulation.spatial import Array
 
 HULL_DIRECTIONS = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-1).reshape(-1, 3)
@@ -29,6 +30,13 @@ HULL_DIRECTIONS = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-
 
 HULL_DIRECTIONS = HULL_DIRECTIONS[np.abs(HULL_DIRECTIONS).max(axis=-1) == 1.0]
 """Directions in which the corners of a hull are looked for."""
+
+CHECKED_DIRECTIONS = 800
+"""Number of directions in which no point may stand out of a hull."""
+
+HULL_TOLERANCE = 0.004
+"""Distance by which points may stand out of a hull, relative to the figure's extent: a bone sinks
+that far into the ground."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,16 +117,12 @@ def build_bones(figure: Figure) -> FigureBones:
     """Return the ragdoll bones of a figure; each has the hull of all solids of its link."""
     skeleton, masses = figure.skeleton, FigureMass(figure).links
     link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
+    everything = np.concatenate([piece.solid.vertices for piece in figure.pieces])
+    tolerance = HULL_TOLERANCE * float(np.ptp(everything, axis=0).max())
     bones, order = list[Bone](), list[int]()
     for i, (link, mass) in enumerate(zip(skeleton.links, masses, strict=True)):
-        # The outermost points of a link's solids (k, 3) [m].
         solids = [piece.solid.vertices for piece in figure.pieces if piece.link == i]
-        vertices = np.concatenate(solids)
-        middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-        # Scaled by the extents; the corners of a long solid would else all be at its ends.
-        extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
-        far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
-        corners = vertices[np.unique(far.argmax(axis=0))]
+        corners = _hull_corners(np.concatenate(solids), tolerance)
         if link.joint == BODY:
             bones.append(Bone(WORLD, np.zeros(3), (), mass, corners))
             continue
@@ -141,3 +145,26 @@ def build_bones(figure: Figure) -> FigureBones:
         order += chain
         bones.append(Bone(link_of[above], skeleton.places[link.joint], joints, mass, corners))
     return FigureBones(tuple(bones), np.array(order, dtype=np.int64))
+
+
+def _hull_corners(vertices: Array, tolerance: float) -> Array:
+    """Return the vertices (k, 3) that span the hull of a solid.
+
+    Args:
+        vertices: (n, 3) [m].
+        tolerance: distance by which others may stand out of the hull [m].
+    """
+    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    # Scaled by the extents; the corners of a long solid would else all be at its ends.
+    extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
+    far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
+    corners = np.unique(far.argmax(axis=0)).tolist()
+    # A solid that slants, such as an upright trunk, has corners between these.
+    reach = vertices @ directions(CHECKED_DIRECTIONS).T
+    most = reach.max(axis=0)
+    outside = most - reach[corners].max(axis=0)
+    while outside.max() > tolerance:
+        farthest = int(reach[:, outside.argmax()].argmax())
+        outside = np.minimum(outside, most - reach[farthest])
+        corners.append(farthest)
+    return vertices[np.sort(corners)]

@@ -21,6 +21,7 @@ from pipeline.simulation.dynamics.ragdoll_model import (
     Bone,
     RagdollState,
     flesh_of,
+    size_of,
 )
 from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
@@ -186,6 +187,18 @@ def test_masses_and_joints_are_those_of_the_figure(shipped: Figure):
         np.testing.assert_allclose(body.xmat.reshape(3, 3), R @ X[:3, :3], atol=1e-9)
 
 
+def test_no_solid_stands_out_of_the_hull_of_its_bone(shipped: Figure):
+    rng = np.random.default_rng(3)
+    ways = rng.normal(size=(300, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    bones = build_bones(shipped).bones
+    for i, bone in enumerate(bones):
+        solids = [piece.solid.vertices for piece in shipped.pieces if piece.link == i]
+        reach = (np.concatenate(solids) @ ways.T).max(axis=0)
+        outside = reach - (bone.corners @ ways.T).max(axis=0)
+        assert outside.max() < 0.006 * size_of(bones)
+
+
 def test_in_the_air_the_centre_of_mass_falls_freely():
     fallen = drop_figure("kangaroo", "flat", 0.0)
     ragdoll = fallen.ragdoll
@@ -242,7 +255,8 @@ def test_figures_fall_and_come_to_rest_on_the_ground(name, terrain):
     # It touches the ground, too.
     assert depth.max() > -0.002 * ragdoll.size
     assert limit_excess(fallen.figure, fallen.q) < math.radians(1.0)
-    assert fallen.limit_excess < math.radians(10.0)
+    # A leg between the ground and the falling body yields for a while.
+    assert fallen.limit_excess < math.radians(15.0)
     energies = np.array(fallen.energies)
     assert np.diff(energies).max() < 1e-5 * energies[0]
     assert 0 < fallen.impact_count < 3 * len(fallen.figure.skeleton.links)
@@ -286,8 +300,10 @@ def test_motion_is_continuous_at_the_start_of_a_fall(name):
     bends = np.linalg.norm(p[2:] - 2.0 * p[1:-1] + p[:-2], axis=-1).max(axis=1)
     assert hops.states[0][-1].phase == "fallen"
     # Row k bends by the k - 1st of these. Muscles that let go bend the way by a few times gravity,
-    # as legs that swing do before; a jump of the speed by 0.4 m/s would bend it by more.
-    assert bends[row - 1 : row + 3].max() < 4.0 * 9.81 * DT**2
+    # and so do swinging legs before; a jump of the speed by 0.5 m/s would exceed both.
+    swing = bends[row - 8 : row - 1].max()
+    assert swing < 4.8 * 9.81 * DT**2
+    assert bends[row - 1 : row + 3].max() < max(4.0 * 9.81 * DT**2, swing)
 
 
 @pytest.mark.nightly

@@ -123,8 +123,11 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
 TEMPO = "gait: trot, cycle: 1.05, speed: 0.95"
 
 
-LARGER = {"dog": 1.5, "lizard": 1.4}
+LARGER = {"cat": 2.0, "dog": 1.5, "frog": 1.7, "lizard": 1.4, "mouse": 4.0}
 """Scales of figures whose legs are too short for this tempo."""
+
+HARDLY_LIFTED = ("centipede", "crab", "frog", "lizard", "scorpion")
+"""Figures whose sprawled legs swing low: least effort has little to save."""
 
 
 def walking(figure: str, swing: str) -> str:
@@ -144,8 +147,7 @@ def test_least_effort_needs_less_work_than_the_spline(
     works = np.array([one.trial.works(one.both)[0] for one in swings])
     assert (works[:, 0] <= works[:, 1] * (1 + 1e-12)).all()
     least, plain = works.sum(axis=0)
-    # Of legs that hardly lift, less is left to save.
-    assert least < (0.96 if shipped.name in ("centipede", "lizard", "scorpion") else 0.85) * plain
+    assert least < (0.96 if shipped.name in HARDLY_LIFTED else 0.85) * plain
 
 
 UPRIGHT = ("horse", "person", "ostrich", "kangaroo")

@@ -119,13 +119,15 @@ def lowest_over(take: Take, performer: str, first: float, last: float) -> float:
     lowest = math.inf
     for part in (part for part in take.parts if part.performer == performer):
         mesh = take.meshes[part.mesh]
-        node = int(mesh.nodes[0, 0])
-        own = mesh.vertices.astype(float) - take.nodes[node].rest
-        for rows in np.array_split(np.arange(len(take.positions)), 24):
-            R, p = matrix(take.rotations[rows, node]), take.positions[rows, node]
-            v = p[:, None] + own @ R.transpose(0, 2, 1)
-            inside = (v[..., 0] > first) & (v[..., 0] < last)
-            lowest = min(lowest, float(np.where(inside, v[..., 1], np.inf).min()))
+        # A skin over many nodes is taken for solids about each of them.
+        nearest = np.take_along_axis(mesh.nodes, mesh.weights.argmax(axis=1)[:, None], axis=1)
+        for node in np.unique(nearest):
+            own = mesh.vertices[nearest[:, 0] == node].astype(float) - take.nodes[node].rest
+            for rows in np.array_split(np.arange(len(take.positions)), 24):
+                R, p = matrix(take.rotations[rows, node]), take.positions[rows, node]
+                v = p[:, None] + own @ R.transpose(0, 2, 1)
+                inside = (v[..., 0] > first) & (v[..., 0] < last)
+                lowest = min(lowest, float(np.where(inside, v[..., 1], np.inf).min()))
     return lowest
 
 

@@ -106,7 +106,7 @@ OUTFITS: Mapping[Costume, Outfit] = {
         shirts=("navy cloth", "grey cloth", "black cloth"),
         trousers=(),
         shoes=("leather", "black cloth"),
-        styles=("short", "short", "bun", "none"),
+        styles=("short", "short", "bun", "bob"),
     ),
     "sport": Outfit(
         ("stripes",),

@@ -131,14 +131,14 @@ ARM = (
     (0.612, 0.002, 0.0232, 0.0222, 0.0226),
     (0.632, -0.002, 0.0196, 0.0240, 0.0202),
     (0.655, 0.000, 0.0202, 0.0220, 0.0198),
-    (0.695, 0.005, 0.0262, 0.0236, 0.0230),
-    (0.725, 0.003, 0.0262, 0.0254, 0.0232),
-    (0.745, 0.001, 0.0246, 0.0250, 0.0226),
+    (0.695, 0.005, 0.0252, 0.0230, 0.0222),
+    (0.725, 0.003, 0.0252, 0.0246, 0.0224),
+    (0.745, 0.001, 0.0238, 0.0243, 0.0220),
     (0.770, 0.001, 0.0236, 0.0232, 0.0222),
 )
 """Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
 
-SLEEVE_THICKNESS = 0.0042  # with the air in it
+SLEEVE_THICKNESS = 0.0036  # with the air in it
 
 
 @cached_part
@@ -151,8 +151,8 @@ def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     shoulder = round_cone(
         (-0.001 * girth, top - 0.020 * girth, z - 0.005 * girth),
         (0.002 * girth, top - 0.052 * girth, z + 0.0005 * girth),
-        0.0228 * girth,
-        0.0256 * girth,
+        0.0222 * girth,
+        0.0244 * girth,
     )
     end = build.level(0.715 if short_sleeves else 0.500)
     depth = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, z)

@@ -18,6 +18,7 @@ from pipeline.production.scenery.prototype import (
 )
 from pipeline.production.scenery.stones import rough
 from pipeline.production.surroundings.lattice_noise import smoothstep
+from pipeline.simulation.spatial import Array
 
 WIDTH = 2.2
 """Of a plant at most [m]."""
@@ -111,7 +112,7 @@ def _add_foliage(
     )
 
 
-def _pillow(x: np.ndarray, y: np.ndarray, seed: int) -> np.ndarray:
+def _pillow(x: Array, y: Array, seed: int) -> Array:
     """Return the thickness (n,) of the foliage at places of the wall, 0 to 1."""
     points = np.column_stack([x, y, np.zeros(len(x))]) / PILLOW_SIZE
     return np.asarray(smoothstep(-0.5, 0.6, rough(points, seed + 11, 2)))

@@ -21,10 +21,11 @@ from pipeline.production.surroundings.lattice_noise import smoothstep
 from pipeline.simulation.spatial import Array
 
 WIDTH = 2.2
-"""Of a plant at most [m]."""
+"""Of a plant at scale 1 [m]."""
 
 HEIGHTS = (3.0, 4.5, 6.5, 9.0)
-"""Heights at which plants are grown; others are scaled from the nearest, so leaves keep theirs."""
+"""Heights at which plants are grown. Others are scaled from the nearest, which hardly stretches
+leaves."""
 
 STEM = (0.09, 0.066, 0.046)
 """Linear colour of runners."""
@@ -50,19 +51,19 @@ def nearest_height(high: float) -> float:
     return min(HEIGHTS, key=lambda own: abs(np.log(own / high)))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=32)
 def ivy(seed: int, level: int, high: float) -> Prototype:
     """Return a plant before a wall that faces +z, from its foot at the origin.
 
     Args:
         seed: of its form.
-        level: of detail, from 0.
+        level: of detail, 0 or 1.
         high: height [m].
     """
     rng, shape = np.random.default_rng([seed, 437, level]), Shape()
     runners = _runners(rng, seed, high)
-    add_bark(shape, runners, np.tile(STEM, (len(runners.nodes), 1)), (0.006, 0.03)[level > 0], 4)
-    _add_foliage(shape, runners, rng, seed, min(level, 1), high)
+    add_bark(shape, runners, np.tile(STEM, (len(runners.nodes), 1)), (0.006, 0.03)[level], 4)
+    _add_foliage(shape, runners, rng, seed, level, high)
     return shape.prototype()
 
 

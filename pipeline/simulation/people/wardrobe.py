@@ -37,9 +37,6 @@ STYLES: tuple[HairStyle, ...] = ("short", "short", "bob", "bun", "long")
 
 LONGER: tuple[HairStyle, ...] = ("bob", "bun", "long")
 
-BEARDED_STYLES: tuple[HairStyle, ...] = ("short", "none")
-"""Styles of adults who may have a beard."""
-
 STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
 
 SHOES = ("leather", "black cloth", "white cloth")
@@ -202,7 +199,7 @@ def _clothes(name: str, seed: int, costume: Costume, turn: int) -> Clothes:
     trousers = choice(others) if others else shirt
     shoes = choice(outfit.shoes)
     style = choice(outfit.styles)
-    features = draw_features(generator(seed, f"{name}/features"), style in BEARDED_STYLES)
+    features = draw_features(generator(seed, f"{name}/features"), style == "short")
     return Clothes(
         skin=skin,
         hair=hair,

@@ -197,25 +197,18 @@ class _Places:
         return smoothstep((second - nearest - NET) / NET_EDGE)
 
 
-FOLD = 0.05
-"""Distance within which two links of a limb share a place in its folds, in the limb's length."""
-
-
 def arc_share(points: Array, places: Array) -> Array:
-    """Return how far along a polyline (n, 3) places (N, 3) lie, 0 to 1.
-
-    In a fold, as behind a bent knee, it goes softly from one link to the next but one.
-    """
+    """Return how far along a polyline (n, 3) places (N, 3) lie, 0 to 1."""
     spans = np.diff(points, axis=0)
     lengths = np.maximum(np.linalg.norm(spans, axis=-1), 1e-9)
     starts = np.concatenate([[0.0], np.cumsum(lengths)])
-    off, at = np.empty((2, len(spans), len(places)))
+    best, found = np.full(len(places), np.inf), np.zeros(len(places))
     for k, (a, span, length) in enumerate(zip(points[:-1], spans, lengths, strict=True)):
         along = np.clip(((places - a) * span).sum(axis=-1) / length**2, 0.0, 1.0)
-        off[k] = np.linalg.norm(places - a - along[:, None] * span, axis=-1)
-        at[k] = starts[k] + along * length
-    weight = np.exp((off.min(axis=0) - off) / (FOLD * starts[-1]))
-    return np.asarray((weight * at).sum(axis=0) / (weight.sum(axis=0) * starts[-1]))
+        off = np.linalg.norm(places - a - along[:, None] * span, axis=-1)
+        found = np.where(off < best, starts[k] + along * length, found)
+        best = np.minimum(off, best)
+    return np.asarray(found / starts[-1])
 
 
 def _cell_distances(p: Array) -> tuple[Array, Array]:

@@ -257,7 +257,7 @@ def _button(build: BodyMeasures, front: Front, height: float) -> SkinnedPatch:
 
 
 STRAP_STEPS, STRAP_WIDTH, STRAP_WORN = 28, 0.021, 1.6
-"""Rings of a strap, its width in girths, and how far it lies above the shirt, in layers of cloth."""
+"""Rings of a strap, its width in girths, and its distance from the shirt, in layers of cloth."""
 
 
 def _strap(build: BodyMeasures, line: Array) -> SkinnedPatch:

@@ -188,6 +188,8 @@ ONE_MISTAKE = [
      "no species is called 'burch', did you mean 'birch'? `pronk list species` has all 35"),
     ("terrain: hills", "terrain: {kind: flat, scatter: {preset: meadow, §densty: 2}}",
      "terrain.scatter.densty", "unknown key, did you mean 'density'?"),
+    ("terrain: hills", "terrain: {kind: flat, scatter: {preset: meadow, size: §40}}",
+     "terrain.scatter.size", "must be at most 12, is 40"),
     ("terrain: hills", "terrain: §{kind: sum}", "terrain.of", "is missing"),
     ("terrain: hills", "terrain: {kind: sum, of: §[]}", "terrain.of",
      "must hold at least 1 value, holds 0"),

@@ -169,7 +169,8 @@ def copies(
     sizes = _sizes(placed)
     scales = np.repeat(sizes[:, None], 3, axis=1)
     if species.widens:
-        wide = np.clip((placed.distances / (WIDE_FROM * detail)) ** 0.75, 1.0, WIDEST)
+        wide_from = WIDE_FROM * detail * max(1.0, placed.size)
+        wide = np.clip((placed.distances / wide_from) ** 0.75, 1.0, WIDEST)
         scales[:, [0, 2]] *= wide[:, None]
         if species.height < LOW:
             # Flat ones would melt into a plain.

@@ -155,8 +155,8 @@ class Placement:
         spacing, before, level = COARSEST, 0.0, 0
         while spacing >= FINEST and before < peak:
             density = spacing**-2
-            reach = self._reach(species, before / peak)
-            tiles = self._tiles(max(LEAST_TILE, spacing), reach, species)
+            reach = self._reach(species, wanted, before / peak)
+            tiles = self._tiles(max(LEAST_TILE, spacing), reach, species, wanted.size)
             if len(tiles):
                 found = self._candidates(species, wanted, tiles, (spacing, before, level))
                 if found is not None:
@@ -164,13 +164,17 @@ class Placement:
             before += density
             spacing, level = spacing / 2.0, level + 1
 
-    def _reach(self, species: Species, share: float) -> float:
+    def _near(self, species: Species, wanted: Wanted) -> float:
+        """Return the distance up to which the full density is wanted [m]: large ones are seen far."""
+        return species.near * self.detail * max(1.0, wanted.size)
+
+    def _reach(self, species: Species, wanted: Wanted, share: float) -> float:
         """Return the distance up to which a share of the full density is wanted [m]."""
-        near = species.near * self.detail
-        reach = species.reach * min(1.0, self.detail + 0.2)
+        near = self._near(species, wanted)
+        reach = species.reach * min(1.0, self.detail + 0.2) * max(1.0, wanted.size)
         return min(near * share ** (-1.0 / FALL) if share > 0.0 else np.inf, reach)
 
-    def _tiles(self, least: float, reach: float, species: Species) -> Array:
+    def _tiles(self, least: float, reach: float, species: Species, size: float) -> Array:
         """Return tiles (T, 3), low corners and sides [m], that come within reach of a camera."""
         low = self.view.eyes[:, [0, 2]].min(axis=0) - reach
         high = self.view.eyes[:, [0, 2]].max(axis=0) + reach
@@ -184,9 +188,9 @@ class Placement:
         while len(tiles):
             middle = tiles[:, :2] + 0.5 * tiles[:, 2:]
             ground = self.ground.at(*middle.T).height
-            high_as = species.height * species.sizes[1]
+            high_as = species.height * species.sizes[1] * size
             center = np.stack([middle[:, 0], ground + 0.5 * high_as, middle[:, 1]], axis=-1)
-            radii = 0.75 * tiles[:, 2] + species.radius + 0.5 * high_as
+            radii = 0.75 * tiles[:, 2] + species.radius * size + 0.5 * high_as
             # The ground of a wide tile may lie higher or lower than in its middle.
             near = self.view.tile_distances(center, radii + 0.15 * tiles[:, 2])
             tiles, near = tiles[near < reach], near[near < reach]
@@ -239,9 +243,9 @@ class Placement:
         ground = self.ground.at(x, z)
         points = np.stack([x, ground.height, z], axis=-1)
         distances = self.view.distances(points)
-        near = species.near * self.detail
+        near = self._near(species, wanted)
         here = here * np.minimum(1.0, (near / np.maximum(distances, 1e-3)) ** FALL)
-        end = self._reach(species, 0.0)
+        end = self._reach(species, wanted, 0.0)
         here = here * (1.0 - smoothstep(0.7 * end, end, distances))
         steep = np.hypot(ground.normals[:, 0], ground.normals[:, 2]) / ground.normals[:, 1]
         if wanted.where != "shore":

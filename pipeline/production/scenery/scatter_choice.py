@@ -78,9 +78,10 @@ class ScatterChoice:
                 own, land = (scatter.preset, land) if is_of_floor else (own, scatter.preset)
             else:
                 own, land = scatter.preset, scatter.preset
-        fitted = _of_presets(own, land, scatter.density)
+        fitted = _of_presets(own, land, scatter.density, scatter.size)
         if fitted and (scene.terrain.water is not None or around.kind == "sea"):
-            fitted = (*fitted, *WATERSIDE)
+            waterside = (_resized(one, scatter.size) for one in WATERSIDE)
+            fitted = (*fitted, *waterside)
         asked = tuple(_asked(one) for one in scatter.species)
         if is_drowned(scene):
             asked = tuple(replace(one, where="wet") for one in asked)
@@ -108,18 +109,22 @@ def _suiting(scene: Scene, name: str) -> str:
     return BY_MATERIAL.get(name, BY_TEXTURE.get(texture, "none"))
 
 
-def _of_presets(own: str, land: str, density: float) -> tuple[Wanted, ...]:
+def _of_presets(own: str, land: str, density: float, size: float) -> tuple[Wanted, ...]:
     """Return the species of the presets of terrain and land."""
-    if own == land:
-        return tuple(
-            Wanted(name, f * density) for name, f in SCATTER_PRESETS[own].items() if f * density > 0
-        )
+    presets = (own,) if own == land else (own, land)
     return tuple(
-        Wanted(name, f * density, on_terrain=preset is own, on_land=preset is land)
-        for preset in (own, land)
+        _resized(
+            Wanted(name, f * density, on_terrain=preset == own, on_land=preset == land), size
+        )
+        for preset in presets
         for name, f in SCATTER_PRESETS[preset].items()
         if f * density > 0
     )
+
+
+def _resized(one: Wanted, size: float) -> Wanted:
+    """Return a species at another size, as many as cover the same share of the ground."""
+    return replace(one, density=one.density / size**2, size=one.size * size)
 
 
 def _asked(one: ScatteredSpecies) -> Wanted:

@@ -218,6 +218,13 @@ class Scatter(ConfigModel):
     density: Number = Field(
         1.0, ge=0, le=20, description="Factor on the densities of the preset's species."
     )
+    size: Positive = Field(
+        1.0,
+        ge=0.25,
+        le=12,
+        description="Factor on the sizes of the preset's species, of which fewer stand accordingly: "
+        "at 6, a beetle as long as a dog walks among them as an insect.",
+    )
     species: tuple[Listed, ...] = Field(
         (), max_length=len(SPECIES), description="Further species, by name or with values."
     )

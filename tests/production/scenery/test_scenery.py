@@ -268,6 +268,30 @@ def test_listed_species_stand_on_the_bed_where_all_is_under_water() -> None:
         assert (asked.name, asked.where) == ("boulder", where)
 
 
+def test_a_preset_at_a_larger_size_covers_the_same_share_of_the_ground() -> None:
+    def choice(scatter: str) -> ScatterChoice:
+        scene = read_scene(
+            f"pronk: 1\nframes: 1\nterrain: {{preset: meadow, scatter: {scatter}, water: pond}}\n"
+            "cast: [{figure: beetle}]\n"
+        )
+        return ScatterChoice.of(scene, Choice.of(scene))
+
+    usual = choice("{preset: heath, species: [fern]}")
+    large = choice("{preset: heath, size: 5, species: [fern]}")
+    assert large.asked == usual.asked
+    assert len(large.fitted) == len(usual.fitted)
+    for one, other in zip(usual.fitted, large.fitted, strict=True):
+        assert other.size == pytest.approx(5.0 * one.size)
+        assert other.density * other.size**2 == pytest.approx(one.density * one.size**2)
+
+
+def test_large_plants_are_seen_as_far_as_their_size_wants(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 9, Growth(9), DETAIL)
+    usual, large = (placement.placed(Wanted("dry grass", 0.2, size)) for size in (1.0, 4.0))
+    assert len(large.points) > len(usual.points)
+    assert large.distances.max() > usual.distances.max()
+
+
 def test_tracks_keep_clearings() -> None:
     where = clearings()
     again = FilmTracks.of_arrays(FilmTracks(POSES, None, (), where).arrays()).clearings

@@ -165,7 +165,7 @@ class Placement:
             spacing, level = spacing / 2.0, level + 1
 
     def _near(self, species: Species, wanted: Wanted) -> float:
-        """Return the distance up to which the full density is wanted [m]: large ones are seen far."""
+        """Return the distance up to which a species has its full density [m]; large ones show."""
         return species.near * self.detail * max(1.0, wanted.size)
 
     def _reach(self, species: Species, wanted: Wanted, share: float) -> float:

@@ -113,9 +113,7 @@ def _of_presets(own: str, land: str, density: float, size: float) -> tuple[Wante
     """Return the species of the presets of terrain and land."""
     presets = (own,) if own == land else (own, land)
     return tuple(
-        _resized(
-            Wanted(name, f * density, on_terrain=preset == own, on_land=preset == land), size
-        )
+        _resized(Wanted(name, f * density, on_terrain=preset == own, on_land=preset == land), size)
         for preset in presets
         for name, f in SCATTER_PRESETS[preset].items()
         if f * density > 0

@@ -222,8 +222,8 @@ class Scatter(ConfigModel):
         1.0,
         ge=0.25,
         le=12,
-        description="Factor on the sizes of the preset's species, of which fewer stand accordingly: "
-        "at 6, a beetle as long as a dog walks among them as an insect.",
+        description="Factor on the sizes of the preset's species, of which as many fewer stand: at "
+        "6, a beetle as long as a dog walks among them as an insect.",
     )
     species: tuple[Listed, ...] = Field(
         (), max_length=len(SPECIES), description="Further species, by name or with values."

@@ -1,8 +1,4 @@
-"""Body mesh: shirt, sleeves, bare arms and hands, trousers or shorts, shins and shoes.
-
-A shoulder turns farther than any other joint: each sleeve starts as a ball, which no turn of the
-arm uncovers.
-"""
+"""Body mesh: bare arms and hands, trousers or shorts, and bare shins."""
 
 from __future__ import annotations
 
@@ -15,12 +11,7 @@ from pipeline.simulation.people.cloth_folds import (
     LEG as LEG_FOLDS,
 )
 from pipeline.simulation.people.cloth_folds import (
-    SHIRT as SHIRT_FOLDS,
-)
-from pipeline.simulation.people.cloth_folds import (
-    SHORT_SLEEVE,
     SHORTS,
-    SLEEVE,
     fold_depth,
     fold_shade,
     folded,
@@ -29,14 +20,10 @@ from pipeline.simulation.people.hand_mesh import fingers, palm
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
     Field,
-    offset_solid,
     oval_stack,
-    round_cone,
     smooth_union,
 )
 from pipeline.simulation.people.skinned_surface import (
-    MIRROR,
-    MIRRORED_FRAMES,
     SkinnedPatch,
     Surface,
     cached_part,
@@ -47,81 +34,6 @@ from pipeline.simulation.people.skinned_surface import (
     with_mirror,
 )
 from pipeline.simulation.spatial import Array
-
-TORSO = (
-    (0.490, -0.003, 0.074, 0.083, 0.113),
-    (0.520, -0.003, 0.073, 0.081, 0.112),
-    (0.545, -0.003, 0.071, 0.077, 0.109),
-    (0.570, -0.002, 0.068, 0.071, 0.102),
-    (0.605, 0.001, 0.064, 0.060, 0.091),
-    (0.640, 0.002, 0.061, 0.054, 0.084),
-    (0.680, 0.002, 0.063, 0.056, 0.086),
-    (0.720, 0.003, 0.067, 0.060, 0.091),
-    (0.755, 0.002, 0.066, 0.062, 0.093),
-    (0.782, -0.002, 0.057, 0.057, 0.088),
-    (0.808, -0.006, 0.046, 0.048, 0.068),
-    (0.824, -0.009, 0.037, 0.040, 0.046),
-    (0.834, -0.010, 0.034, 0.037, 0.037),
-)
-"""Outline of chest and waist in a shirt, from its hem to its collar; see `BodyMeasures.outline`."""
-
-SHIRT_HEM, TUCKED_HEM = 0.520, 0.590  # heights
-SHOULDER_RADIUS = 0.0255
-
-
-@cached_part
-def shirt(build: BodyMeasures, tucked: bool = False) -> SkinnedPatch:
-    """Return the trunk of a shirt, between pelvis and chest."""
-    girth, end = build.girth, build.level(TUCKED_HEM if tucked else SHIRT_HEM)
-    wide = build.shoulders + 0.05 * girth
-    low = (-0.1 * girth, end, -wide)
-    high = (0.1 * girth, build.level(0.90), wide)
-    depth = fold_depth(build, SHIRT_FOLDS, 0.0)
-    field = folded(shirt_field(build), symmetric_field(depth))
-    net = polygonise(field, low, high, 0.0180 * girth, stretch=0.95, symmetric=True, hem=end)
-    by_pelvis = net.follow("pelvis", "chest", chest_share(build, net.vertices[:, 1]))
-    aside = np.abs(net.vertices[:, 2])
-    pull = SHIRT_PULL * ramp(aside, build.shoulders - 0.030 * girth, build.shoulders)
-    by_arm = net.follow("chest", "upper_arm_r", pull)
-    arms = np.where(net.vertices[:, 2:] < 0.0, MIRRORED_FRAMES[by_arm.frames], by_arm.frames)
-    is_shoulder = (pull > 0.0) & (by_pelvis.share == 1.0)
-    frames = np.where(is_shoulder[:, None], arms, by_pelvis.frames)
-    share = np.where(is_shoulder, pull, by_pelvis.share)
-    shade = fold_shade(build, symmetric_field(depth), net.vertices)
-    # Arms hang beside it.
-    chest = ramp(net.vertices[:, 1], build.level(0.66), build.level(0.76))
-    under = chest * ramp(net.vertices[:, 1], build.level(0.815), build.level(0.78))
-    shade = shade * (1.0 - ARMPIT_SHADE * under * ramp(aside, 0.065 * girth, 0.090 * girth))
-    return replace(SkinnedPatch(net.vertices, net.faces, frames, share), shade=shade)
-
-
-ARMPIT_SHADE = 0.35
-"""How dark a shirt is under the arms, and a sleeve beside the chest."""
-
-
-def shirt_field(build: BodyMeasures) -> Field:
-    """Return the solid of a trunk in a shirt, from below its hem to its collar."""
-    girth = build.girth
-    torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
-    # The trapezius slopes down from the sides of the neck to the shoulders.
-    neck = np.array([-0.014 * girth, build.level(0.838), 0.022 * girth])
-    tip = np.array([0.0, build.level(0.794), build.shoulders - 0.010 * girth])
-    right, left = (
-        round_cone(neck * m, tip * m, 0.026 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
-    )
-    return smooth_union([torso, right, left], 0.035 * girth)
-
-
-def chest_share(build: BodyMeasures, heights: Array) -> Array:
-    """Return the share (n,) of the chest, against the pelvis, in cloth at some heights [m]."""
-    return ramp(heights, build.level(0.585), build.level(0.70))
-
-
-def torso_breadths(build: BodyMeasures) -> Array:
-    """Return the breadth factor of each row of a shirt, from the hips to the chest."""
-    up = ramp(np.array([row[0] for row in TORSO]), 0.56, 0.70)
-    return build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)
-
 
 ARM = (
     (0.470, 0.003, 0.0158, 0.0158, 0.0108),
@@ -138,55 +50,6 @@ ARM = (
 )
 """Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
 
-SLEEVE_THICKNESS = 0.0036  # with the air in it
-
-
-@cached_part
-def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
-    """Return both sleeves, each starting as a ball around its shoulder."""
-    girth, z = build.girth, build.shoulders
-    top = build.level(0.818)
-    arm = offset_solid(oval_stack(build.outline(ARM), z), SLEEVE_THICKNESS * girth)
-    # The deltoid stands out beside the joint, and ends in a hollow above the biceps.
-    shoulder = round_cone(
-        (-0.001 * girth, top - 0.020 * girth, z - 0.005 * girth),
-        (0.002 * girth, top - 0.052 * girth, z + 0.0005 * girth),
-        0.0222 * girth,
-        0.0244 * girth,
-    )
-    end = build.level(0.715 if short_sleeves else 0.500)
-    depth = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, z)
-    field = folded(smooth_union([arm, shoulder], 0.02 * girth), depth)
-    half_width = 0.045 * girth
-    low, high = (
-        (-half_width, end, z - half_width),
-        (half_width, top + 0.045 * girth, z + half_width),
-    )
-    surface = polygonise(
-        field, low, high, 0.0150 * girth, stretch=1.0 if short_sleeves else 0.95, hem=end
-    )
-    inner = ramp(surface.vertices[:, 2], z, z - 0.022 * girth)
-    high_up = ramp(surface.vertices[:, 1], build.level(0.64), build.level(0.76))
-    shade = fold_shade(build, depth, surface.vertices) * (1.0 - ARMPIT_SHADE * inner * high_up)
-    return with_mirror(replace(_skinned_sleeve(build, surface), shade=shade))
-
-
-SLEEVE_PULL, SHIRT_PULL, PULL_REACH = 0.12, 0.30, 0.040
-"""Share of the chest in the top of a sleeve, that of the arm in the shoulder of a shirt, and how
-far below the joint the first ends, in girths.
-
-Where neither follows the other, a raised arm bulges beside a shoulder that stays."""
-
-
-def _skinned_sleeve(build: BodyMeasures, net: Surface) -> SkinnedPatch:
-    y, joint, reach = net.vertices[:, 1], build.level(0.818), PULL_REACH * build.girth
-    elbow = net.follow("upper_arm_r", "forearm_r", _below_elbow(build, net))
-    pull = SLEEVE_PULL * ramp(y, joint - reach, joint + 0.3 * reach)
-    by_chest = net.follow("upper_arm_r", "chest", pull)
-    upper = y > joint - reach
-    frames = np.where(upper[:, None], by_chest.frames, elbow.frames)
-    return SkinnedPatch(net.vertices, net.faces, frames, np.where(upper, pull, elbow.share))
-
 
 @cached_part
 def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
@@ -194,7 +57,8 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     girth, z = build.girth, build.shoulders
     top = 0.76 if short_sleeves else 0.545
     limb = oval_stack([row for row in build.outline(ARM) if row[0] <= build.level(top)], z)
-    field = smooth_union([limb, palm(build)], 0.012 * girth)
+    tucked_in = _depth_between(build, SLEEVED[0] if short_sleeves else SLEEVED[1], IN_SLEEVE)
+    field = smooth_union([folded(limb, tucked_in), palm(build)], 0.012 * girth)
     half_width = 0.042 * girth
     low, high = (
         (-half_width, build.level(0.395), z - half_width),
@@ -202,7 +66,7 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     )
     surface = polygonise(field, low, high, 0.0092 * girth, stretch=1.7)
     y, wrist = surface.vertices[:, 1], build.level(0.486)
-    elbow = _below_elbow(build, surface)
+    elbow = below_elbow(build, surface.vertices[:, 1])
     hand = 1.0 - ramp(y, wrist - 0.012 * girth, wrist + 0.012 * girth)
     by_elbow = surface.follow("upper_arm_r", "forearm_r", elbow)
     by_wrist = surface.follow("forearm_r", "hand_r", hand)
@@ -212,9 +76,25 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     return with_mirror(merge_patches([arm, *fingers(build)]))
 
 
-def _below_elbow(build: BodyMeasures, net: Surface) -> Array:
+SLEEVED, IN_SLEEVE = ((0.712, 0.724), (0.497, 0.509)), 0.007
+"""Heights between which arms become thinner inside of short and long sleeves, and by how much, in
+girths: cloth is cut off coarsely, and no skin may come through."""
+
+
+def _depth_between(build: BodyMeasures, levels: tuple[float, float], most: float) -> Field:
+    """Return the depth, in girths, that grows from one height to another, as a field [m]."""
+    low, high = build.level(levels[0]), build.level(levels[1])
+
+    def depth(places: Array) -> Array:
+        return np.asarray(most * build.girth * ramp(places[:, 1], low, high))
+
+    return depth
+
+
+def below_elbow(build: BodyMeasures, heights: Array) -> Array:
+    """Return the share (n,) of the forearm in places of a hanging arm at some heights [m]."""
     elbow, reach = build.level(0.632), 0.022 * build.girth
-    return 1.0 - ramp(net.vertices[:, 1], elbow - reach, elbow + reach)
+    return 1.0 - ramp(heights, elbow - reach, elbow + reach)
 
 
 SEAT = (
@@ -279,7 +159,7 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
     depth = fold_depth(build, SHORTS if shorts else LEG_FOLDS, build.hips)
     solid = smooth_union([pelvis, leg], 0.030 * girth)
     if covered:
-        solid = folded(solid, _covered_depth(build))
+        solid = folded(solid, _depth_between(build, COVERED, COVERED_DEPTH))
     whole = folded(solid, depth)
 
     def spread(places: Array) -> Array:
@@ -302,17 +182,8 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
     return replace(_skinned_trousers(build, places, surface), shade=shade)
 
 
-COVERED_DEPTH = 0.009
-"""By how much thighs are thinner below a coat, in girths."""
-
-
-def _covered_depth(build: BodyMeasures) -> Field:
-    low, high = build.level(0.365), build.level(0.410)
-
-    def depth(places: Array) -> Array:
-        return np.asarray(COVERED_DEPTH * build.girth * ramp(places[:, 1], low, high))
-
-    return depth
+COVERED, COVERED_DEPTH = (0.365, 0.410), 0.009
+"""Heights between which thighs become thinner below a coat, and by how much, in girths."""
 
 
 CROTCH_SHADE = 0.40

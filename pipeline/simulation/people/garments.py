@@ -12,8 +12,9 @@ import numpy as np
 
 from pipeline.simulation.figures.solids import loft
 from pipeline.simulation.people.body_frames import FRAMES
-from pipeline.simulation.people.body_mesh import ARM, LEG, chest_share, shirt_field
+from pipeline.simulation.people.body_mesh import ARM, LEG
 from pipeline.simulation.people.proportions import BodyMeasures
+from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field
 from pipeline.simulation.people.signed_distance import (
     ellipsoid,
     offset_solid,
@@ -185,9 +186,24 @@ def bib(build: BodyMeasures) -> SkinnedPatch:
         (-0.056, 0.620, 0.010),
     )
     strap = _strap(build, np.array([(x * g, build.level(y), z * g) for x, y, z in line]))
-    levels = np.linspace(0.555, 0.745, 12)
-    half = np.full(len(levels), 0.056)
-    return merge_patches([_panel(build, levels, -half, half, 1.0), with_mirror(strap)])
+    levels = np.linspace(BIB[0], BIB[1], 12)
+    half = np.interp(levels, BIB, BIB_HALVES)
+    pocket = np.linspace(*BIB_POCKET, 6)
+    pocket_half = np.full(len(pocket), BIB_POCKET_HALF)
+    return merge_patches(
+        [
+            _panel(build, levels, -half, half, 1.0),
+            _shaded(_panel(build, pocket, -pocket_half, pocket_half, 1.7), FLAP_SHADE),
+            with_mirror(strap),
+        ]
+    )
+
+
+BIB, BIB_HALVES = (0.585, 0.745), (0.074, 0.053)
+"""Heights of the lower and upper edges of a bib, and half its widths there, in girths."""
+
+BIB_POCKET, BIB_POCKET_HALF = (0.655, 0.712), 0.032
+"""Heights of the edges of the pocket of a bib, and half its width, in girths."""
 
 
 @dataclass(frozen=True, slots=True)

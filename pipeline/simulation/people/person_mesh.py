@@ -11,8 +11,6 @@ import numpy as np
 from pipeline.simulation.people.body_mesh import (
     bare_arms,
     bare_shins,
-    shirt,
-    sleeves,
     trousers,
 )
 from pipeline.simulation.people.features import Features, with_features
@@ -42,9 +40,10 @@ from pipeline.simulation.people.head_mesh import (
     teeth,
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
+from pipeline.simulation.people.shirt_mesh import shirt
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
 from pipeline.simulation.people.tints import tint_colors
-from pipeline.simulation.people.trims import belt, collar, cuffs, trouser_hems
+from pipeline.simulation.people.trims import belt, collar, cuffs, trouser_hems, waistband
 from pipeline.simulation.people.wardrobe import Clothes, Garment, Stature
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
@@ -172,7 +171,7 @@ def _layers(
     beard = 0.0 if build.childish > 0.0 else features.beard
     face = [own(bearded(head_skin(head), head, beard)), neck_skin(head), own(ears(head))]
     yield "skin", [*face, bare_arms(build, short_sleeves), *bare]
-    tucked = not {"skirt", "coat", "tucked"}.isdisjoint(garments)
+    tucked = not {"skirt", "coat", "tucked", "bib"}.isdisjoint(garments)
     over = {"coat": coat_skirt, "hood": hood}
     worn = [over[word](build) for word in garments if word in over]
     if "suit" in garments:
@@ -181,11 +180,13 @@ def _layers(
         worn.append(collar(build, not FOLDED_COLLARS.isdisjoint(garments)))
     worn += [fastenings(build, word) for word in garments if word in FRONTS]
     worn.append(cuffs(build, short_sleeves))
-    yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
+    yield "shirt", [shirt(build, short_sleeves, tucked), *worn]
     legs = [skirt(build)] if "skirt" in garments else [trousers(build, shorts, "coat" in garments)]
     if "skirt" not in garments:
         legs.append(trouser_hems(build, shorts))
-    yield "trousers", [*legs, *([bib(build)] if "bib" in garments else [])]
+    if "bib" in garments:
+        legs += [bib(build), waistband(build)]
+    yield "trousers", legs
     if "suit" in garments:
         yield "front", [suit_front(build)]
         yield "accent", [tie(build)]

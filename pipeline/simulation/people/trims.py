@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
-from pipeline.simulation.people.body_mesh import ARM, LEG, SLEEVE_THICKNESS, TORSO, torso_breadths
+from pipeline.simulation.people.body_mesh import ARM, LEG
 from pipeline.simulation.people.proportions import BodyMeasures
+from pipeline.simulation.people.shirt_mesh import SLEEVE_THICKNESS, TORSO, torso_breadths
 from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
     Surface,
@@ -33,6 +34,9 @@ CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
 
 BELT, BELT_WORN = (0.5885, 0.6030), 0.0003
 """Edges of a belt likewise, and its distance from the outline of the shirt, in girths."""
+
+WAISTBAND = (0.5800, 0.6080)
+"""Edges of a waistband likewise."""
 
 RIB = ((0.8450, 0.0405), (0.8460, 0.0430), (0.8590, 0.0392), (0.8590, 0.0345))
 """Rings of the ribbed neck of a shirt, from its lower inner edge around: heights and radii."""
@@ -117,6 +121,13 @@ def belt(build: BodyMeasures) -> SkinnedPatch:
     """Return a belt around a tucked shirt."""
     outline = build.outline(TORSO, torso_breadths(build))
     return _band(build, outline, BELT, BELT_WORN).follow("pelvis")
+
+
+@cached_part
+def waistband(build: BodyMeasures) -> SkinnedPatch:
+    """Return the band of the trousers of dungarees."""
+    outline = build.outline(TORSO, torso_breadths(build))
+    return _band(build, outline, WAISTBAND, BELT_WORN).follow("pelvis")
 
 
 @cached_part

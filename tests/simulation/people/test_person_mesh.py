@@ -19,7 +19,6 @@ from pipeline.simulation.people.body_frames import (
     frame_origins,
     frames_from_joints,
 )
-from pipeline.simulation.people.body_mesh import shirt_field
 from pipeline.simulation.people.garments import FRONTS, fastenings
 from pipeline.simulation.people.person_mesh import (
     MaterialLayer,
@@ -33,6 +32,7 @@ from pipeline.simulation.people.proportions import (
     BodyMeasures,
     Proportions,
 )
+from pipeline.simulation.people.shirt_mesh import shirt_field
 from pipeline.simulation.people.skinned_surface import symmetric_field
 from pipeline.simulation.people.wardrobe import (
     OUTFITS,

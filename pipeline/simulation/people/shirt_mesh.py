@@ -1,0 +1,203 @@
+"""Shirt mesh: the cloth of trunk and arms, one surface from hem and cuffs to the collar.
+
+It is modelled with the arms spread half way, as far from hanging as from reaching up, and then let
+down: skinning takes each arm from there to where it is with the least bend of the shoulder.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.people.body_frames import FRAMES, frame_origins
+from pipeline.simulation.people.body_mesh import ARM, below_elbow
+from pipeline.simulation.people.cloth_folds import (
+    SHIRT,
+    SHORT_SLEEVE,
+    SLEEVE,
+    fold_depth,
+    fold_shade,
+    folded,
+)
+from pipeline.simulation.people.proportions import BodyMeasures
+from pipeline.simulation.people.signed_distance import (
+    Field,
+    half_space,
+    offset_solid,
+    oval_stack,
+    round_cone,
+    smooth_intersection,
+    smooth_union,
+)
+from pipeline.simulation.people.skinned_surface import (
+    MIRROR,
+    MIRRORED_FRAMES,
+    SkinnedPatch,
+    cached_part,
+    polygonise,
+    ramp,
+    symmetric_field,
+)
+from pipeline.simulation.spatial import Array
+
+TORSO = (
+    (0.490, -0.003, 0.074, 0.083, 0.113),
+    (0.520, -0.003, 0.073, 0.081, 0.112),
+    (0.545, -0.003, 0.071, 0.077, 0.109),
+    (0.570, -0.002, 0.068, 0.071, 0.102),
+    (0.605, 0.001, 0.064, 0.060, 0.091),
+    (0.640, 0.002, 0.061, 0.054, 0.084),
+    (0.680, 0.002, 0.063, 0.056, 0.086),
+    (0.720, 0.003, 0.067, 0.060, 0.091),
+    (0.755, 0.002, 0.066, 0.062, 0.093),
+    (0.782, -0.002, 0.057, 0.057, 0.088),
+    (0.808, -0.006, 0.046, 0.048, 0.068),
+    (0.824, -0.009, 0.037, 0.040, 0.046),
+    (0.834, -0.010, 0.034, 0.037, 0.037),
+)
+"""Outline of chest and waist in a shirt, from its hem to its collar; see `BodyMeasures.outline`."""
+
+SHIRT_HEM, TUCKED_HEM = 0.520, 0.590  # heights
+SHOULDER_RADIUS = 0.0255
+
+
+SPREAD = np.radians(60.0)
+"""By how much the right arm is lifted aside while a shirt is modelled."""
+
+JOINED, CUT_EDGE = 0.030, 0.004
+"""Distances over which trunk and sleeves round into each other, and the end of a sleeve, in girths.
+"""
+
+SHOULDER, LOOSE = (-0.014, 0.048), 0.026
+"""Between which places along the arm cloth goes from the chest to it, and the distance from the
+trunk from which it follows the arm alone, in girths."""
+
+SLEEVE_THICKNESS = 0.0036
+"""Of a sleeve with the air in it, in girths."""
+
+CELL = 0.0165
+"""Distance of the samples of a shirt, in girths."""
+
+SHORT_END, LONG_END = 0.715, 0.500
+"""Heights of the ends of sleeves that hang, as fractions of an adult's height."""
+
+
+@cached_part
+def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> SkinnedPatch:
+    """Return a shirt: its trunk between pelvis and chest, and its sleeves."""
+    g, hem = build.girth, build.level(TUCKED_HEM if tucked else SHIRT_HEM)
+    end = build.level(SHORT_END if short_sleeves else LONG_END)
+    joint = frame_origins(build.proportions)[FRAMES.index("upper_arm_r")]
+    trunk = symmetric_field(shirt_field(build))
+    trunk_folds = symmetric_field(fold_depth(build, SHIRT, 0.0))
+    arm_folds = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, build.shoulders)
+    sleeve = folded(_sleeve_field(build, end), arm_folds)
+
+    def spread_sleeve(places: Array) -> Array:
+        return sleeve(_swung(places, joint, -SPREAD))
+
+    whole = smooth_union([folded(trunk, trunk_folds), spread_sleeve], JOINED * g)
+    wide = joint[2] + (joint[1] - end) * np.sin(SPREAD) + 0.05 * g
+    low, high = (-0.1 * g, hem, -wide), (0.1 * g, build.level(0.90), wide)
+    net = polygonise(whole, low, high, CELL * g, symmetric=True, hem=hem)
+    side = np.where(net.vertices[:, 2:] < 0.0, MIRROR, 1.0)
+    spread = side * net.vertices
+    straight = _swung(spread, joint, -SPREAD)
+    along = (joint[1] - straight[:, 1]) / g
+    pull = ramp(along, *SHOULDER) * ramp(trunk(spread) / g, 0.0, LOOSE)
+    # Dual quaternions turn cloth that follows two frames by this angle.
+    half = 0.5 * SPREAD
+    turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))
+    hanging = _swung(spread, joint, -turned)
+    frames, share = _followed(build, hanging, straight, pull)
+    by_trunk = fold_shade(build, trunk_folds, spread)
+    shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
+    return SkinnedPatch(
+        side * hanging,
+        net.faces,
+        np.where(side[:, 2:] < 0.0, MIRRORED_FRAMES[frames], frames),
+        share,
+        shade=shade * _armpit_shade(build, hanging, pull),
+    )
+
+
+def _swung(places: Array, joint: Array, angle: float | Array) -> Array:
+    """Return places (n, 3) turned about a joint (3,), outward where the angle is positive."""
+    x, y, z = (places - joint).T
+    c, s = np.cos(angle), np.sin(angle)
+    return joint + np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
+
+
+def _followed(
+    build: BodyMeasures, hanging: Array, straight: Array, pull: Array
+) -> tuple[NDArray[np.int64], Array]:
+    """Return the two frames (n, 2) that places of the right side follow, and the second's share.
+
+    Args:
+        build: measures of the person.
+        hanging: (n, 3) places at rest [m].
+        straight: (n, 3) places as if they all followed the arm alone [m].
+        pull: (n,) share of the upper arm, against the chest.
+    """
+    pelvis, chest, upper, fore = (
+        FRAMES.index(name) for name in ("pelvis", "chest", "upper_arm_r", "forearm_r")
+    )
+    up, bent = chest_share(build, hanging[:, 1]), below_elbow(build, straight[:, 1])
+    is_arm, is_shoulder = pull >= 1.0, (pull > 0.0) & (pull < 1.0)
+    first = np.where(is_arm, upper, np.where(is_shoulder, chest, pelvis))
+    second = np.where(is_arm, fore, np.where(is_shoulder, upper, chest))
+    share = np.where(is_arm, bent, np.where(is_shoulder, pull, up))
+    return np.stack([first, second], axis=-1), share
+
+
+def _armpit_shade(build: BodyMeasures, hanging: Array, pull: Array) -> Array:
+    """Return the shade (n,) where sleeves hang beside the chest."""
+    g, y, z = build.girth, hanging[:, 1], hanging[:, 2]
+    chest = ramp(y, build.level(0.66), build.level(0.76))
+    chest = chest * ramp(y, build.level(0.815), build.level(0.78)) * ramp(z, 0.065 * g, 0.090 * g)
+    inner = ramp(z, build.shoulders, build.shoulders - 0.022 * g)
+    arm = inner * ramp(y, build.level(0.64), build.level(0.76))
+    return 1.0 - ARMPIT_SHADE * (chest + pull * (arm - chest))
+
+
+ARMPIT_SHADE = 0.30
+"""How dark a shirt is under the arms, and a sleeve beside the chest."""
+
+
+def _sleeve_field(build: BodyMeasures, end: float) -> Field:
+    """Return the solid of the right sleeve, hanging, down to a height [m]."""
+    g, z, top = build.girth, build.shoulders, build.level(0.818)
+    arm = offset_solid(oval_stack(build.outline(ARM), z), SLEEVE_THICKNESS * g)
+    # The deltoid stands out beside the joint, and ends in a hollow above the biceps.
+    shoulder = round_cone(
+        (-0.001 * g, top - 0.012 * g, z - 0.005 * g),
+        (0.002 * g, top - 0.052 * g, z + 0.0005 * g),
+        0.0215 * g,
+        0.0240 * g,
+    )
+    above = half_space((0.0, end, z), (0.0, -1.0, 0.0))
+    return smooth_intersection(smooth_union([arm, shoulder], 0.02 * g), above, CUT_EDGE * g)
+
+
+def shirt_field(build: BodyMeasures) -> Field:
+    """Return the solid of a trunk in a shirt, from below its hem to its collar."""
+    girth = build.girth
+    torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
+    # The trapezius slopes down from the sides of the neck to the shoulders.
+    neck = np.array([-0.014 * girth, build.level(0.838), 0.022 * girth])
+    tip = np.array([0.0, build.level(0.794), build.shoulders - 0.010 * girth])
+    right, left = (
+        round_cone(neck * m, tip * m, 0.026 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
+    )
+    return smooth_union([torso, right, left], 0.035 * girth)
+
+
+def chest_share(build: BodyMeasures, heights: Array) -> Array:
+    """Return the share (n,) of the chest, against the pelvis, in cloth at some heights [m]."""
+    return ramp(heights, build.level(0.585), build.level(0.70))
+
+
+def torso_breadths(build: BodyMeasures) -> Array:
+    """Return the breadth factor of each row of a shirt, from the hips to the chest."""
+    up = ramp(np.array([row[0] for row in TORSO]), 0.56, 0.70)
+    return build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)

@@ -15,7 +15,7 @@ from pipeline.simulation.spatial import UP, Array, normalized
 LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.40, "bun": 0.26}
 """Length of the strands by style, in heads. They overlap: long hair needs no longer."""
 
-LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 7.0, "long": 7.0, "bun": 6.0}
+LIFTS_DEG: Mapping[str, float] = {"short": 12.0, "bob": 6.0, "long": 6.0, "bun": 6.0}
 """How far hair stands off."""
 
 ROUND, SKULL = 0.5, (-0.05, 0.22)
@@ -35,7 +35,7 @@ PARTING, SWEPT = 0.11, 1.3
 
 BROW_LENGTH = 0.021
 
-LOCK_TURNS: Mapping[str, float] = {"short": 0.26, "bob": 0.20, "long": 0.20, "bun": 0.07}
+LOCK_TURNS: Mapping[str, float] = {"short": 0.20, "bob": 0.20, "long": 0.20, "bun": 0.07}
 """How far locks turn from the lay by style, as a tangent: no outline of hair is smooth."""
 
 LOCK_LENGTH = 0.15

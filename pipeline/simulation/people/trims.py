@@ -44,6 +44,10 @@ RIB = ((0.8450, 0.0405), (0.8460, 0.0430), (0.8590, 0.0392), (0.8590, 0.0345))
 COLLAR = ((0.8430, 0.0430), (0.8430, 0.0475), (0.8670, 0.0392), (0.8660, 0.0345))
 """Rings of a collar that is folded down."""
 
+LOWER_RINGS, COLLAR_FRONT = 2, (np.radians((0.0, 22.5, 45.0, 90.0)), (-0.017, 0.016, 0.004, 0.0))
+"""Rings of the lower edge of a folded collar; angles from the front, and by how much it lies lower
+there, in girths."""
+
 NECK_MIDDLE, NECK_FALL = -0.0095, 0.0110
 """Place of the neck along X, and by how much a collar lies lower in front than behind."""
 
@@ -134,9 +138,15 @@ def waistband(build: BodyMeasures) -> SkinnedPatch:
 def collar(build: BodyMeasures, folded: bool) -> SkinnedPatch:
     """Return the ribbed neck of a shirt, or a collar that is folded down."""
     g = build.girth
+    shape = COLLAR if folded else RIB
+    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    aside = np.minimum(angle, 2.0 * np.pi - angle)
     rings = []
-    for level, radius in COLLAR if folded else RIB:
+    for k, (level, radius) in enumerate(shape):
         ring = _ring(NECK_MIDDLE * g, (radius * g,) * 3, build.level(level), 0.0)
         ring[:, 1] -= NECK_FALL * g * (1.0 + (ring[:, 0] / g - NECK_MIDDLE) / radius)
+        if folded and k < LOWER_RINGS:
+            # It ends in two points beside a gap in the middle of the front.
+            ring[:, 1] -= g * np.interp(aside, *COLLAR_FRONT)
         rings.append(ring)
     return _closed(rings).follow("chest")

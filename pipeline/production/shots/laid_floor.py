@@ -11,7 +11,7 @@ from render.config import Material
 
 PIECES: Mapping[str, tuple[str, float]] = {
     "wood": ("planks", 4.0),
-    "plaster": ("slabs", 1.8),
+    "plaster": ("slabs", 1.2),
     "tiles": ("tiles", 1.0),
 }
 """Pattern of a floor by the texture of its material, and the factor on the texture's scale."""

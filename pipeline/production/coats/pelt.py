@@ -77,7 +77,7 @@ on they are: a coat of strands as long as a few pixels would look like a carpet.
 LEAST_RELIEF = 0.2
 """Share of the shades of a strand that is left where it is not told apart."""
 
-FLATTENED, WIDENED, LEAST_BOW = 0.95, 1.0, 0.2
+FLATTENED, WIDENED, LEAST_BOW = 0.95, 4.0, 0.2
 """How much flatter such strands lie, how much wider they are, and the share that is left of their
 bow: shade between them, and the skin below, would be dots as wide as a pixel."""
 
@@ -291,8 +291,9 @@ def grown_pelt(
     relief = 1.0 if vanes else _relief(mean / width)
     tint = (VANE_TINT if vanes else TINT * relief) * np.clip(draw.normal(size=count), -2.0, 2.0)
     if not vanes:
-        tint += TUFT_TINT * each[:, 0]
-        astray[:, 0] += TUFT_ASTRAY * each[:, 1]
+        # Tufts of a coat whose strands are not told apart would be flecks.
+        tint += relief * TUFT_TINT * each[:, 0]
+        astray[:, 0] += relief * TUFT_ASTRAY * each[:, 1]
         astray[:, 1] *= relief
     places = list((0, 1, 1, 1, 2, 2, 2) if vanes else (0, 0, 1, 1, 2))
     shades = np.mean(SHADES) + relief * (np.array(SHADES) - np.mean(SHADES))

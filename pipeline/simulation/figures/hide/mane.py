@@ -107,9 +107,9 @@ def tassel_lumps(chain: Chain, kind: str) -> Iterator[Lump]:
     widest = float(chain.radii[1:].max())
     if kind == "tassel":
         a, b = curve[-3], curve[-1]
-        low = b + 0.6 * (b - a)
-        yield cone(a, b, (0.8 * widest,) * 2, (1.9 * widest,) * 2, 0.5 * widest)
-        yield cone(b, low, (1.9 * widest,) * 2, (0.3 * widest,) * 2, 0.5 * widest)
+        low = b + 1.1 * (b - a)
+        yield cone(a, b, (0.8 * widest,) * 2, (1.45 * widest,) * 2, 0.5 * widest)
+        yield cone(b, low, (1.45 * widest,) * 2, (0.25 * widest,) * 2, 0.5 * widest)
         return
     sizes = np.interp(
         np.linspace(0, 1, len(curve)), [0, 0.3, 0.65, 0.9, 1], [0.9, 1.7, 2.1, 1.4, 0.4]

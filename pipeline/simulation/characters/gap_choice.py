@@ -20,7 +20,13 @@ from pipeline.simulation.characters.walking_group import (
     rows_apart,
     walks_with,
 )
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.dynamics.compiled import (
+    Record,
+    Records,
+    allocating,
+    compiled,
+    inlined,
+)
 
 SIGHT = 6.0  # distance ahead up to which gaps are judged [m]
 CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
@@ -74,7 +80,7 @@ def head_for_gap(
     return c * x - s * z, s * x + c * z, count >= CROWD
 
 
-@compiled
+@allocating
 def _people_ahead(
     persons: Records, order: Numbers, n: int, near: Numbers, seen: Numbers, x: float, z: float
 ) -> int:

@@ -36,19 +36,30 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+INNER = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Options of functions that only compiled code calls."""
+
+
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that other compiled functions call; plain Python cannot call it."""
-    return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
+    """Compiles a function that other compiled functions call; plain Python cannot call it.
+
+    It makes no arrays and returns none that others make, so that references to arrays need not
+    be counted: that would cost as much as short work on them.
+    """
+    return numba.njit(_nrt=False, **INNER)(function)
 
 
 def inlined(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that is inlined into its compiled callers.
+    """Compiles a function as `compiled` does, inlined into its compiled callers.
 
     A tuple of many arrays is passed array by array, which costs more than short work on it.
     """
-    return numba.njit(
-        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
-    )(function)
+    return numba.njit(_nrt=False, forceinline=True, **INNER)(function)
+
+
+def allocating(function: Callable[P, T]) -> Callable[P, T]:
+    """Compiles a function as `compiled` does, but one that makes or finds arrays."""
+    return numba.njit(_nrt=True, **INNER)(function)
 
 
 def entry(function: Callable[P, T]) -> Callable[P, T]:

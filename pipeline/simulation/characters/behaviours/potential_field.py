@@ -26,7 +26,7 @@ from pipeline.simulation.characters.visibility_route import (
     are_free,
     straight_way,
 )
-from pipeline.simulation.dynamics.compiled import compiled, entry
+from pipeline.simulation.dynamics.compiled import allocating, compiled, entry
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
@@ -346,7 +346,7 @@ def _inward(at: float, v: float, low: float, high: float) -> float:
     return v
 
 
-@compiled
+@allocating
 def _near(obstacles: _Obstacles, size: float, body_radius: float) -> IntArray:
     """Return the indices of obstacles that are near, and not behind a place at a distance [m].
 

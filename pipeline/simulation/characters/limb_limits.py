@@ -40,6 +40,7 @@ MIN_TURN_COSINE = 0.05  # below which a turn has no shortest way
 MAX_TURN = 0.2  # of a limb towards its cone in one projection [rad]
 RECOVERY_SPEED = 2.5  # at which a limb comes back from beyond a limit [m/s]
 COSINE_ROUNDING = 1e-9  # beyond which cosines tell which of two angles is larger
+LEAST_BEND = 1e-3  # of a limb, across over along, from which they tell where its joint points
 
 
 class Trunk(NamedTuple):
@@ -115,7 +116,7 @@ def limit_limbs(nodes: Records, limbs: Records, first: int, count: int) -> None:
         limb = limbs[n]
         if not (is_known and hang_together(limb, limbs[max(n - 1, first)])):
             trunk = trunk_of(nodes, limb)
-        is_known = not _limit_limb(nodes, limb, trunk)
+        is_known = _is_within_limits(nodes, limb, trunk) or not _limit_limb(nodes, limb, trunk)
 
 
 @inlined
@@ -135,6 +136,30 @@ def hang_together(limb: Record, other: Record) -> bool:
     """Tell whether two limbs hang on one trunk."""
     sides: bool = limb.left == other.left and limb.right == other.right
     return sides and limb.low == other.low and limb.high == other.high
+
+
+@inlined
+def _is_within_limits(nodes: Records, limb: Record, trunk: Trunk) -> bool:
+    """Tell whether a limb is certainly in its cone, and its joint where it may point.
+
+    Most limbs are. With w from root to tip, m and c as of `_turned_with` and r from the line
+    between them to the joint, r · R c (|w| + m · w) = r · c (|w| + m · w) - (w · c) (r · m).
+    """
+    root = triple(nodes[limb.root].p)
+    way, offset = minus(triple(nodes[limb.tip].p), root), minus(triple(nodes[limb.joint].p), root)
+    squared = dot(way, way)
+    distance = math.sqrt(squared)
+    radial = minus(offset, times(dot(offset, way) / max(squared, TINY * TINY), way))
+    across = length(radial)
+    m, c = _in_world(limb.middle, trunk), _in_world(limb.bend, trunk)
+    ahead = dot(m, way)
+    opening = distance + ahead
+    # Both are false, too, for a limb without length.
+    is_in_cone = ahead > (limb.cone + COSINE_ROUNDING) * distance
+    is_clear = across > LEAST_BEND * distance and opening > 2.0 * MIN_TURN_COSINE * distance
+    pointed = dot(radial, c) * opening - dot(way, c) * dot(radial, m)
+    is_allowed = pointed > (limb.spread[0] + COSINE_ROUNDING) * across * opening
+    return is_in_cone and is_clear and is_allowed
 
 
 @compiled
@@ -226,15 +251,14 @@ def _posture(nodes: Records, limb: Record, trunk: Trunk) -> Posture:
 
 
 @inlined
-def _in_world(a: Vector, now: Posture) -> Vector:
-    trunk = now.trunk
+def _in_world(a: Vector, trunk: Trunk) -> Vector:
     return plus(plus(times(a[0], trunk.x), times(a[1], trunk.y)), times(a[2], trunk.z))
 
 
 @inlined
 def _cone_excess(limb: Record, now: Posture) -> float:
     """Return the angle by which a limb is out of its cone, 0 or less within it [rad]."""
-    cosine = dot(now.d, _in_world(limb.middle, now))
+    cosine = dot(now.d, _in_world(limb.middle, now.trunk))
     if cosine > limb.cone + COSINE_ROUNDING:
         return 0.0
     return math.acos(min(max(cosine, -1.0), 1.0)) - math.acos(limb.cone)
@@ -243,7 +267,7 @@ def _cone_excess(limb: Record, now: Posture) -> float:
 @inlined
 def _allowed_direction(limb: Record, now: Posture) -> Vector:
     """Return the direction nearest to e, across d, in which the joint may point."""
-    c = _turned_with(_in_world(limb.bend, now), _in_world(limb.middle, now), now.d)
+    c = _turned_with(_in_world(limb.bend, now.trunk), _in_world(limb.middle, now.trunk), now.d)
     if now.size == 0.0:
         return c
     if dot(now.e, c) >= limb.spread[0]:
@@ -296,7 +320,7 @@ def _recovered(limb: Record, way: float) -> float:
 @compiled
 def _close_limb(nodes: Records, limb: Record, now: Posture, excess: float) -> None:
     """Turn tip and joint about the root towards the cone."""
-    axis = cross(now.d, _in_world(limb.middle, now))
+    axis = cross(now.d, _in_world(limb.middle, now.trunk))
     size = length(axis)
     if size < TINY:
         return

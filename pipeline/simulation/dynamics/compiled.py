@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import partial
 from typing import Any, ParamSpec, TypeVar
 
 import numba
@@ -68,6 +69,19 @@ def entry(function: Callable[P, T]) -> Callable[P, T]:
     if not numba.config.DISABLE_JIT:
         dispatcher._cache = StoredCode(function)
     return dispatcher
+
+
+def bound(function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+    """Returns a call of an entry with these very arguments, whose types are examined only once.
+
+    To examine tuples of many arrays takes longer than to read them.
+    """
+    if not numba.config.DISABLE_JIT:
+        dispatcher: Any = function
+        types = tuple(dispatcher.typeof_pyval(argument) for argument in arguments)
+        dispatcher.compile(types)
+        function = dispatcher.overloads[types].entry_point
+    return partial(function, *arguments)
 
 
 def native(function: Callable[..., Any], signature: Any) -> Any:

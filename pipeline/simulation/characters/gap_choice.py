@@ -113,20 +113,23 @@ def _best_direction(
     farthest: float,
 ) -> float:
     """Return the turn from the way to the goal that leads nearest to it [rad]."""
-    free = np.empty(len(TURNS))
-    free[:] = farthest
+    # Velocity along x and z, its size, and the free way of each direction.
+    ways = np.empty((len(TURNS), 4))
+    for k in range(len(TURNS)):
+        c, s = TURN_COSINES[k], TURN_SINES[k]
+        ways[k, 0], ways[k, 1] = c * x - s * z, s * x + c * z
+        ways[k, 2], ways[k, 3] = math.hypot(ways[k, 0], ways[k, 1]), farthest
     for m in range(count):
         other = persons[seen[m]]
         x_off, z_off, room = _room_before(person, other)
+        v_x, v_z = other.velocity[0], other.velocity[1]
         for k in range(len(TURNS)):
-            c, s = TURN_COSINES[k], TURN_SINES[k]
-            vx, vz = c * x - s * z, s * x + c * z
-            time = _meeting_time(x_off, z_off, room, vx - other.velocity[0], vz - other.velocity[1])
-            if time < math.inf:
-                free[k] = min(free[k], time * math.hypot(vx, vz))
+            time = _meeting_time(x_off, z_off, room, ways[k, 0] - v_x, ways[k, 1] - v_z)
+            ways[k, 3] = min(ways[k, 3], time * ways[k, 2])
     best, cheapest = 0.0, math.inf
     for k in range(len(TURNS)):
-        cost = farthest * farthest + free[k] * free[k] - 2.0 * farthest * free[k] * TURN_COSINES[k]
+        free = ways[k, 3]
+        cost = farthest * farthest + free * free - 2.0 * farthest * free * TURN_COSINES[k]
         if abs(TURNS[k] - person.detour) < 0.6 * WIDEST / DIRECTIONS:
             cost *= HABIT
         if k > DIRECTIONS:

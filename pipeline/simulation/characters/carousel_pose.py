@@ -168,7 +168,7 @@ def way_across_rim(
     return carousel.place(angle, inner - 0.2 if goes_in else outer + 0.2)
 
 
-def way_off_deck(controller: PersonController, goal: Array) -> Array | None:
+def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]) -> Array | None:
     """Return the next place (2,) of a person that leaves a merry-go-round for a goal (2,) [m].
 
     It is None for one that stands on none, or whose goal is on it.

@@ -88,7 +88,9 @@ def steer(
     """
     pace = mind.pace if pace is None else pace
     place = mind.clip_to_terrain(place)
-    left = max(math.dist(place, mind.at) - stop_distance, 0.0)
+    x, z = place.tolist()
+    at_x, at_z = mind.at.tolist()
+    left = max(math.hypot(x - at_x, z - at_z) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
     detour, walker = mind.detour, _walker(mind, pace)

@@ -142,24 +142,41 @@ def hang_together(limb: Record, other: Record) -> bool:
 def _is_within_limits(nodes: Records, limb: Record, trunk: Trunk) -> bool:
     """Tell whether a limb is certainly in its cone, and its joint where it may point.
 
-    Most limbs are. With w from root to tip, m and c as of `_turned_with` and r from the line
-    between them to the joint, r · R c (|w| + m · w) = r · c (|w| + m · w) - (w · c) (r · m).
+    Most limbs are.
     """
     root = triple(nodes[limb.root].p)
     way, offset = minus(triple(nodes[limb.tip].p), root), minus(triple(nodes[limb.joint].p), root)
-    squared = dot(way, way)
+    squared = max(dot(way, way), TINY * TINY)
     distance = math.sqrt(squared)
-    radial = minus(offset, times(dot(offset, way) / max(squared, TINY * TINY), way))
+    radial = minus(offset, times(dot(offset, way) / squared, way))
     across = length(radial)
+    is_in_cone = dot(_in_world(limb.middle, trunk), way) > (limb.cone + COSINE_ROUNDING) * distance
+    is_bent = across > LEAST_BEND * distance
+    return is_in_cone and is_bent and _points_freely(limb, trunk, way, distance, radial, across)
+
+
+@inlined
+def _points_freely(
+    limb: Record, trunk: Trunk, way: Vector, distance: float, radial: Vector, across: float
+) -> bool:
+    """Tell whether a joint certainly points where it may.
+
+    With w from root to tip, r from the line between them to the joint, and m, c and R as of
+    `_turned_with`, r · R c (|w| + m · w) = r · c (|w| + m · w) - (w · c) (r · m).
+
+    Args:
+        limb: the limb.
+        trunk: that it hangs on.
+        way: w, of any length.
+        distance: length of w.
+        radial: r, of any length.
+        across: length of r.
+    """
     m, c = _in_world(limb.middle, trunk), _in_world(limb.bend, trunk)
-    ahead = dot(m, way)
-    opening = distance + ahead
-    # Both are false, too, for a limb without length.
-    is_in_cone = ahead > (limb.cone + COSINE_ROUNDING) * distance
-    is_clear = across > LEAST_BEND * distance and opening > 2.0 * MIN_TURN_COSINE * distance
+    opening = distance + dot(m, way)
     pointed = dot(radial, c) * opening - dot(way, c) * dot(radial, m)
     is_allowed = pointed > (limb.spread[0] + COSINE_ROUNDING) * across * opening
-    return is_in_cone and is_clear and is_allowed
+    return is_allowed and opening > 2.0 * MIN_TURN_COSINE * distance
 
 
 @compiled
@@ -204,7 +221,10 @@ def _place_joint(nodes: Records, limb: Record, trunk: Trunk) -> None:
         share = upper / (upper + lower) * now.distance
         _move_to(joint, plus(root, times(share, now.d)))
         return
-    e = _recovered_direction(limb, now)
+    e = now.e
+    is_bent = now.size > LEAST_BEND * now.distance
+    if not (is_bent and _points_freely(limb, trunk, now.d, 1.0, now.e, 1.0)):
+        e = _recovered_direction(limb, now)
     a = (upper * upper - lower * lower + now.distance**2) / (2.0 * now.distance)
     height = math.sqrt(max(upper * upper - a * a, 0.0))
     # What presses on a joint may press it nearer to straight, and so root and tip apart.

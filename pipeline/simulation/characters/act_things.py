@@ -26,5 +26,5 @@ def mark_act_things(controller: PersonController, task: Task | None) -> None:
             elif name in numbers:
                 found.append(SOLID - numbers[name])
     marks = controller.record.act_things
-    for k in range(len(marks)):
-        marks[k] = found[k] if k < len(found) else NOBODY
+    marks[0] = found[0] if found else NOBODY
+    marks[1] = found[1] if len(found) > 1 else NOBODY

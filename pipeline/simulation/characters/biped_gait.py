@@ -107,7 +107,7 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
     rate, stance = gait_pace(person)
     walks = speed > WALKING_FROUDE * math.sqrt(GRAVITY * leg)
     if not person.stepping:
-        offsets = [foot_offset(person, 0), foot_offset(person, 1)]
+        offsets = foot_offset(person, 0), foot_offset(person, 1)
         if walks or max(offsets[0], offsets[1]) > 1.0:
             first = 0 if offsets[0] >= offsets[1] else 1
             person.stepping = True
@@ -171,7 +171,7 @@ def _is_due(person: Record, k: int, advance: float, walks: bool) -> bool:
 def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.foot_state[k] = SWING
     put(person.settling, k, (0.0, 0.0, 0.0))
-    person.liftoff_place[k] = person.ankles[k]
+    put(person.liftoff_place, k, row(person.ankles, k))
     person.liftoff_yaw[k] = person.yaw[k]
     person.liftoff_pitch[k] = person.pitch[k]
     person.liftoff_heading[k] = person.heading
@@ -394,7 +394,7 @@ def _swing(
         person.touchdowns[k] += 1
         person.touchdown_time[k] = person.report_time
         person.touchdown_speed[k] = 3.0 * person.swing_height[k] * rate / (1.0 - stance)
-        person.stance_place[k] = person.landing_place[k]
+        put(person.stance_place, k, row(person.landing_place, k))
         person.stance_on_deck[k] = person.landing_on_deck[k]
         person.yaw[k] = person.landing_yaw[k]
         return

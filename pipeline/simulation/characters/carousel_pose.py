@@ -17,6 +17,9 @@ from pipeline.simulation.spatial import Array
 GAP_ANGLE = 2.0 * math.pi / SPOKES
 """Angle between neighbouring posts [rad]."""
 
+POST_ANGLES = np.arange(SPOKES) * GAP_ANGLE
+"""(SPOKES,) angles of posts from the first one [rad]."""
+
 OUTSIDE, INSIDE = 0.1, 0.45
 """Distances from the rim at which a person stands before it, clear of it, and on the deck [m]."""
 
@@ -49,7 +52,7 @@ class CarouselPose:
     def angle(self) -> float:
         """Angle of its first post [rad]."""
         rim = self.feet - self.hub
-        angles = np.arctan2(-rim[:, 2], rim[:, 0]) - np.arange(SPOKES) * GAP_ANGLE
+        angles = np.arctan2(-rim[:, 2], rim[:, 0]) - POST_ANGLES
         return math.atan2(float(np.sin(angles).sum()), float(np.cos(angles).sum()))
 
     @cached_property
@@ -165,7 +168,7 @@ def way_across_rim(
     return carousel.place(angle, inner - 0.2 if goes_in else outer + 0.2)
 
 
-def way_off_deck(controller: PersonController, goal: Array) -> Array | None:
+def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]) -> Array | None:
     """Return the next place (2,) of a person that leaves a merry-go-round for a goal (2,) [m].
 
     It is None for one that stands on none, or whose goal is on it.

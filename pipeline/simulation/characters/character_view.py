@@ -215,7 +215,20 @@ class CharacterView:
 
     def circle(self, owner: int) -> tuple[Array, float]:
         """Return the middle (2,) and the radius of a circle around a character [m]."""
-        flat = self.nodes(owner)[:, [0, 2]]
+        p = self.nodes(owner)
+        known, circle = self._circles.get(owner, (b"", None))
+        if circle is None or p.tobytes() != known:
+            circle = self._circle_around(owner, p)
+            self._circles[owner] = p.tobytes(), circle
+        return circle
+
+    @cached_property
+    def _circles(self) -> dict[int, tuple[bytes, tuple[Array, float]]]:
+        """Places of the nodes of characters, and the circles around them."""
+        return {}
+
+    def _circle_around(self, owner: int, p: Array) -> tuple[Array, float]:
+        flat = p[:, [0, 2]]
         middle = flat.mean(axis=0)
         node_radius = float(self.arrays.nodes["radius"][self._spans[owner][0]])
         offset = flat - middle

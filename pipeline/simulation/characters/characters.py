@@ -6,7 +6,7 @@ Source: Horswill 2008.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +27,7 @@ from pipeline.simulation.characters.dance_task import (
     dance_contacts,
     rest_dances,
 )
+from pipeline.simulation.characters.footfalls import FootfallReporter
 from pipeline.simulation.characters.gestures import Gestures
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
@@ -35,11 +36,11 @@ from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_record import PLACED, REACHING, persons_of
 from pipeline.simulation.characters.pose_output import BallRotations, eye_aims, frame_poser
 from pipeline.simulation.characters.solid_arrays import SolidTracker
-from pipeline.simulation.characters.step_report import ContactReporter, SignalDetector, footfalls
+from pipeline.simulation.characters.step_report import ContactReporter, SignalDetector
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.characters.verlet_step import advance
 from pipeline.simulation.characters.visibility_route import ObstacleCircles
-from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.compiled import Records, bound
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.members import MemberState
@@ -88,6 +89,7 @@ class Characters(Troupe):
         self.level = bool(np.ptp(world.ground.field.heights) == 0.0)
         self.solid_tracker = SolidTracker()
         self.workspace, self.log = workspace_for(self.arrays), new_touch_log()
+        self._move: Callable[[], None] | None = None
         self.obstacle_circles = ObstacleCircles(world.ground)
         self.contact_reporter = ContactReporter(cast, self.arrays, world.ground.material)
         self._poser = frame_poser(cast, self.plans, world.clothes, world.clock.rows)
@@ -113,9 +115,11 @@ class Characters(Troupe):
         self._balls = np.array(balls, dtype=np.int64)
         self.ball_rotations = BallRotations(self.arrays.nodes, self._balls)
         self._ball_floor: Array = np.full(len(balls), self.grid.vertices[0, 1])
-        self._views = [one.record for one in self.dispatcher.controllers]
-        self._names = [cast[owner].name for owner in owners]
-        self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
+        masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
+        self.footfalls = FootfallReporter(
+            *(self.persons, self.dispatcher.controllers, masses),
+            *(world.ground, world.clock, self.contact_reporter),
+        )
         self._facts = Facts()
         self._faces = FaceTracker(
             [face.performer for face in faces], world.seed, world.clock.row_time
@@ -186,6 +190,7 @@ class Characters(Troupe):
         """Set the obstacles of other rooms; return those whose motion is needed from then on."""
         self.solid_tracker = SolidTracker(obstacles, len(self.cast))
         self.workspace = workspace_for(self.arrays, self.solid_tracker.solids)
+        self._move = None
         self.contact_reporter.solids = self.solid_tracker.obstacles
         self.obstacle_circles.set_solids(self.solid_tracker.solids.bodies)
         self.dispatcher.view.body_masses.update(self.solid_tracker.masses())
@@ -227,7 +232,8 @@ class Characters(Troupe):
 
     def advance(self, step: int) -> None:
         """Advance from `step` to the next."""
-        rest_dances(self.persons)
+        if self.dances.guides:
+            rest_dances(self.persons)
         self.dispatcher.view.decks.forget_poses()
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
@@ -243,15 +249,13 @@ class Characters(Troupe):
         self.move()
         self.pains.update()
         self._roll_balls()
-        world, people = self.world, (self._views, self._names, self._masses)
-        steps = footfalls(
-            self.persons, *people, world.ground, world.clock, step, self.contact_reporter
-        )
-        strikes = dance_contacts(self.dispatcher, self.cast, world.clothes, step)
+        contacts = self.contact_reporter.contacts(self.log, step) + self.footfalls.contacts(step)
+        if self.dances.guides:
+            contacts += dance_contacts(self.dispatcher, self.cast, self.world.clothes, step)
         voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
         self._facts = Facts(
-            contacts=self.contact_reporter.contacts(self.log, step) + steps + strikes,
+            contacts=contacts,
             arrived=done.arrived,
             touched=self.contact_reporter.touched(self.log) + done.touched,
             signals=self.signals.signals(voices),
@@ -261,10 +265,13 @@ class Characters(Troupe):
 
     def move(self) -> None:
         """Advance all nodes by a step."""
-        advance(
-            *(self.arrays, self.persons, self.grid, self.level, self.workspace, self.log),
-            *(GRAVITY, self.world.clock.dt, self.count),
-        )
+        if self._move is None:
+            self._move = bound(
+                advance,
+                *(self.arrays, self.persons, self.grid, self.level, self.workspace, self.log),
+                *(GRAVITY, self.world.clock.dt, self.count),
+            )
+        self._move()
 
     def _roll_balls(self) -> None:
         if not len(self._balls):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.body_arrays import IntArray
-from pipeline.simulation.characters.limb_limits import limit_limb, place_joint
+from pipeline.simulation.characters.limb_limits import limit_limbs, place_joints
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import Vector, length, minus, plus, times, triple
 
@@ -40,9 +40,8 @@ def project_constraints(
     for n in range(first, first + owner.middles[1]):
         m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
         largest = max(largest, _project_middle(nodes[m], nodes[i], nodes[j]))
-    first = owner.limbs[0]
-    for n in range(first, first + _limited_limbs(owner)):
-        limit_limb(nodes, limbs[n])
+    if owner.limbs[1] > 0:
+        limit_limbs(nodes, limbs, owner.limbs[0], _limited_limbs(owner))
     if owner.on_bearing:
         for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
             if nodes[i].on_bearing:
@@ -149,9 +148,8 @@ def _activate_gripping(nodes: Records, owners: Records, grips: IntArray) -> bool
 
 @inlined
 def _set_joints(nodes: Records, limbs: Records, owner: Record) -> None:
-    first = owner.limbs[0]
-    for n in range(first, first + _limited_limbs(owner)):
-        place_joint(nodes, limbs[n])
+    if owner.limbs[1] > 0:
+        place_joints(nodes, limbs, owner.limbs[0], _limited_limbs(owner))
 
 
 @inlined

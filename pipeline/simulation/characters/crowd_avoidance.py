@@ -38,7 +38,13 @@ from pipeline.simulation.characters.walking_group import (
     rows_apart,
     walks_with,
 )
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.dynamics.compiled import (
+    Record,
+    Records,
+    allocating,
+    compiled,
+    inlined,
+)
 from pipeline.simulation.spatial import Array
 
 HORIZON = 3.0  # within which nobody is met [s]
@@ -77,7 +83,7 @@ def is_in_throng(person: Record) -> bool:
     return bool(person.impatience > 0.0 and aside > THRONG_SIDESTEP * speed)
 
 
-@compiled
+@allocating
 def avoid_people(persons: Records) -> None:
     """Choose the sidestep of every person, once a step."""
     gather_groups(persons)
@@ -171,7 +177,7 @@ def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) ->
     person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
 
 
-@compiled
+@allocating
 def _find_nearest(persons: Records, order: Numbers, n: int, near: Numbers, nearest: Numbers) -> int:
     """Write the numbers of the nearest people whom the n-th in order sees; return how many."""
     person = persons[order[n]]

@@ -20,12 +20,21 @@ from pipeline.simulation.characters.walking_group import (
     rows_apart,
     walks_with,
 )
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.dynamics.compiled import (
+    Record,
+    Records,
+    allocating,
+    compiled,
+    inlined,
+)
 
 SIGHT = 6.0  # distance ahead up to which gaps are judged [m]
 CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
 WIDEST = math.radians(70.0)  # to either side of the way to the goal
 DIRECTIONS = 10  # to each side
+TURNS = np.array([k * WIDEST / DIRECTIONS for k in range(-DIRECTIONS, DIRECTIONS + 1)])
+TURN_COSINES = np.array([math.cos(turn) for turn in TURNS])
+TURN_SINES = np.array([math.sin(turn) for turn in TURNS])
 GAP = 0.42  # between the middles of two people, in heights
 STANDING_GAP = 0.36  # the same, where the other stands
 HABIT = 0.85  # cost of the direction nearest to the one taken before, relative to others
@@ -74,7 +83,7 @@ def head_for_gap(
     return c * x - s * z, s * x + c * z, count >= CROWD
 
 
-@compiled
+@allocating
 def _people_ahead(
     persons: Records, order: Numbers, n: int, near: Numbers, seen: Numbers, x: float, z: float
 ) -> int:
@@ -92,7 +101,7 @@ def _people_ahead(
     return count
 
 
-@compiled
+@allocating
 def _best_direction(
     persons: Records,
     person: Record,
@@ -104,26 +113,35 @@ def _best_direction(
     farthest: float,
 ) -> float:
     """Return the turn from the way to the goal that leads nearest to it [rad]."""
+    # Velocity along x and z, its size, and the free way of each direction.
+    ways = np.empty((len(TURNS), 4))
+    for k in range(len(TURNS)):
+        c, s = TURN_COSINES[k], TURN_SINES[k]
+        ways[k, 0], ways[k, 1] = c * x - s * z, s * x + c * z
+        ways[k, 2], ways[k, 3] = math.hypot(ways[k, 0], ways[k, 1]), farthest
+    for m in range(count):
+        other = persons[seen[m]]
+        x_off, z_off, room = _room_before(person, other)
+        v_x, v_z = other.velocity[0], other.velocity[1]
+        for k in range(len(TURNS)):
+            time = _meeting_time(x_off, z_off, room, ways[k, 0] - v_x, ways[k, 1] - v_z)
+            ways[k, 3] = min(ways[k, 3], time * ways[k, 2])
     best, cheapest = 0.0, math.inf
-    for k in range(-DIRECTIONS, DIRECTIONS + 1):
-        angle = k * WIDEST / DIRECTIONS
-        c, s = math.cos(angle), math.sin(angle)
-        free = farthest
-        for m in range(count):
-            free = min(free, _free_way(person, persons[seen[m]], c * x - s * z, s * x + c * z))
-        cost = farthest * farthest + free * free - 2.0 * farthest * free * c
-        if abs(angle - person.detour) < 0.6 * WIDEST / DIRECTIONS:
+    for k in range(len(TURNS)):
+        free = ways[k, 3]
+        cost = farthest * farthest + free * free - 2.0 * farthest * free * TURN_COSINES[k]
+        if abs(TURNS[k] - person.detour) < 0.6 * WIDEST / DIRECTIONS:
             cost *= HABIT
-        if k > 0:
+        if k > DIRECTIONS:
             cost *= 1.0 - RIGHT_SIDE
         if cost < cheapest:
-            best, cheapest = angle, cost
+            best, cheapest = TURNS[k], cost
     return best
 
 
 @inlined
-def _free_way(person: Record, other: Record, vx: float, vz: float) -> float:
-    """Return how far a person gets at a velocity before it meets another [m]."""
+def _room_before(person: Record, other: Record) -> tuple[float, float, float]:
+    """Return the offset of another along x and z [m], and squared distance less squared gap."""
     x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
     gap = 0.5 * (GAP if other.has_goal else STANDING_GAP) * (person.height + other.height)
     # A group passes around others as a whole, and they around it.
@@ -134,12 +152,24 @@ def _free_way(person: Record, other: Record, vx: float, vz: float) -> float:
             x, z, gap = row_x, row_z, gap + width
     square = x * x + z * z
     gap = min(gap, 0.95 * math.sqrt(square))
-    wx, wz = vx - other.velocity[0], vz - other.velocity[1]
+    return x, z, square - gap * gap
+
+
+@inlined
+def _meeting_time(x: float, z: float, room: float, wx: float, wz: float) -> float:
+    """Return the time in which a person meets another, infinite if it does not [s].
+
+    Args:
+        x: offset of the other [m].
+        z: of the same.
+        room: its squared distance less the squared gap at which they meet [m²].
+        wx: velocity relative to the other [m/s].
+        wz: of the same.
+    """
     along, speed = x * wx + z * wz, wx * wx + wz * wz
     if along <= 0.0:
         return math.inf
-    root = along * along - speed * (square - gap * gap)
+    root = along * along - speed * room
     if root < 0.0:
         return math.inf
-    time = (along - math.sqrt(root)) / speed
-    return time * math.hypot(vx, vz)
+    return (along - math.sqrt(root)) / speed

@@ -102,7 +102,8 @@ def _least_offence(
         # Among the velocities equally far beyond this line and each one before.
         n = hard
         for j in range(hard):
-            projected[j] = lines[j]
+            for k in range(4):
+                projected[j, k] = lines[j, k]
         for j in range(hard, i):
             sine = lines[i, 2] * lines[j, 3] - lines[i, 3] * lines[j, 2]
             if abs(sine) <= PARALLEL:

@@ -39,22 +39,19 @@ MIN_LINK_FRACTION = 0.996  # of its length that a link may be pressed to
 MIN_TURN_COSINE = 0.05  # below which a turn has no shortest way
 MAX_TURN = 0.2  # of a limb towards its cone in one projection [rad]
 RECOVERY_SPEED = 2.5  # at which a limb comes back from beyond a limit [m/s]
+COSINE_ROUNDING = 1e-9  # beyond which cosines tell which of two angles is larger
+LEAST_BEND = 1e-3  # of a limb, across over along, from which they tell where its joint points
 
 
-class Posture(NamedTuple):
-    """A limb and the trunk that it hangs on.
+class Trunk(NamedTuple):
+    """The trunk that a limb hangs on.
 
     Attributes:
-        x: unit vector forward of the trunk.
-        y: unit vector up the trunk.
-        z: unit vector to the right of the trunk.
-        height: length of the trunk's axis [m].
-        width: distance of the trunk's sides [m].
-        d: unit vector from root to tip.
-        distance: from root to tip [m].
-        e: unit vector across d towards the joint, zero for a straight limb.
-        size: distance of the joint from the line between root and tip [m].
-        along: distance of the joint from the root along this line [m].
+        x: unit vector forward.
+        y: unit vector up.
+        z: unit vector to the right.
+        height: length of its axis [m].
+        width: distance of its sides [m].
     """
 
     x: Vector
@@ -62,6 +59,21 @@ class Posture(NamedTuple):
     z: Vector
     height: float
     width: float
+
+
+class Posture(NamedTuple):
+    """A limb on its trunk.
+
+    Attributes:
+        trunk: that it hangs on.
+        d: unit vector from root to tip.
+        distance: from root to tip [m].
+        e: unit vector across d towards the joint, zero for a straight limb.
+        size: distance of the joint from the line between root and tip [m].
+        along: distance of the joint from the root along this line [m].
+    """
+
+    trunk: Trunk
     d: Vector
     distance: float
     e: Vector
@@ -96,34 +108,112 @@ def _move_of(node: Record) -> Vector:
     return minus(triple(node.p), triple(node.previous))
 
 
+@inlined
+def limit_limbs(nodes: Records, limbs: Records, first: int, count: int) -> None:
+    """Turn limbs back into their cones, or their joints back to where they may point."""
+    trunk, is_known = trunk_of(nodes, limbs[first]), True
+    for n in range(first, first + count):
+        limb = limbs[n]
+        if not (is_known and hang_together(limb, limbs[max(n - 1, first)])):
+            trunk = trunk_of(nodes, limb)
+        is_known = _is_within_limits(nodes, limb, trunk) or not _limit_limb(nodes, limb, trunk)
+
+
+@inlined
+def place_joints(nodes: Records, limbs: Records, first: int, count: int) -> None:
+    """Put joints where both links have their lengths and they point where they may."""
+    trunk = trunk_of(nodes, limbs[first])
+    for n in range(first, first + count):
+        limb = limbs[n]
+        # No joint is a node of a trunk.
+        if not hang_together(limb, limbs[max(n - 1, first)]):
+            trunk = trunk_of(nodes, limb)
+        _place_joint(nodes, limb, trunk)
+
+
+@inlined
+def hang_together(limb: Record, other: Record) -> bool:
+    """Tell whether two limbs hang on one trunk."""
+    sides: bool = limb.left == other.left and limb.right == other.right
+    return sides and limb.low == other.low and limb.high == other.high
+
+
+@inlined
+def _is_within_limits(nodes: Records, limb: Record, trunk: Trunk) -> bool:
+    """Tell whether a limb is certainly in its cone, and its joint where it may point.
+
+    Most limbs are.
+    """
+    root = triple(nodes[limb.root].p)
+    way, offset = minus(triple(nodes[limb.tip].p), root), minus(triple(nodes[limb.joint].p), root)
+    squared = max(dot(way, way), TINY * TINY)
+    distance = math.sqrt(squared)
+    radial = minus(offset, times(dot(offset, way) / squared, way))
+    across = length(radial)
+    is_in_cone = dot(_in_world(limb.middle, trunk), way) > (limb.cone + COSINE_ROUNDING) * distance
+    is_bent = across > LEAST_BEND * distance
+    return is_in_cone and is_bent and _points_freely(limb, trunk, way, distance, radial, across)
+
+
+@inlined
+def _points_freely(
+    limb: Record, trunk: Trunk, way: Vector, distance: float, radial: Vector, across: float
+) -> bool:
+    """Tell whether a joint certainly points where it may.
+
+    With w from root to tip, r from the line between them to the joint, and m, c and R as of
+    `_turned_with`, r · R c (|w| + m · w) = r · c (|w| + m · w) - (w · c) (r · m).
+
+    Args:
+        limb: the limb.
+        trunk: that it hangs on.
+        way: w, of any length.
+        distance: length of w.
+        radial: r, of any length.
+        across: length of r.
+    """
+    m, c = _in_world(limb.middle, trunk), _in_world(limb.bend, trunk)
+    opening = distance + dot(m, way)
+    pointed = dot(radial, c) * opening - dot(way, c) * dot(radial, m)
+    is_allowed = pointed > (limb.spread[0] + COSINE_ROUNDING) * across * opening
+    return is_allowed and opening > 2.0 * MIN_TURN_COSINE * distance
+
+
 @compiled
-def limit_limb(nodes: Records, limb: Record) -> None:
+def _limit_limb(nodes: Records, limb: Record, trunk: Trunk) -> bool:
     """Turn a limb back into its cone, or its joint back to where it may point.
 
     A limb out of its cone does both if its joint lies on something, which it would else be pressed
     into at the end of the sub-step; in the air both at once would add energy.
+
+    Returns:
+        Whether it may have moved, with its trunk.
     """
-    now = _posture(nodes, limb)
+    now, may_move = _posture(nodes, limb, trunk), False
     if now.distance < TINY:
-        return
+        return False
     excess = _cone_excess(limb, now)
     if excess > 0.0:
         _close_limb(nodes, limb, now, excess)
         joint = nodes[limb.joint]
         if joint.ground_damping == 0.0 and joint.contact_damping == 0.0:
-            return
-        now = _posture(nodes, limb)
+            return True
+        now, may_move = _posture(nodes, limb, trunk_of(nodes, limb)), True
     chord = _joint_chord(limb, now)
     if dot(chord, chord) > TINY * TINY:
         _swing_joint(nodes, limb, now, chord)
+        return True
+    return may_move
 
 
 @compiled
-def place_joint(nodes: Records, limb: Record) -> None:
+def _place_joint(nodes: Records, limb: Record, trunk: Trunk) -> None:
     """Put a joint where both links have their lengths and it points where it may."""
     joint = nodes[limb.joint]
-    now = _posture(nodes, limb)
-    if joint.mobility == 0.0 or now.distance < TINY:
+    if joint.mobility == 0.0:
+        return
+    now = _posture(nodes, limb, trunk)
+    if now.distance < TINY:
         return
     root, upper, lower = triple(nodes[limb.root].p), limb.upper, limb.lower
     if now.distance >= upper + lower:
@@ -131,7 +221,10 @@ def place_joint(nodes: Records, limb: Record) -> None:
         share = upper / (upper + lower) * now.distance
         _move_to(joint, plus(root, times(share, now.d)))
         return
-    e = _recovered_direction(limb, now)
+    e = now.e
+    is_bent = now.size > LEAST_BEND * now.distance
+    if not (is_bent and _points_freely(limb, trunk, now.d, 1.0, now.e, 1.0)):
+        e = _recovered_direction(limb, now)
     a = (upper * upper - lower * lower + now.distance**2) / (2.0 * now.distance)
     height = math.sqrt(max(upper * upper - a * a, 0.0))
     # What presses on a joint may press it nearer to straight, and so root and tip apart.
@@ -143,12 +236,12 @@ def place_joint(nodes: Records, limb: Record) -> None:
 @inlined
 def joint_excess(nodes: Records, limb: Record) -> float:
     """Return the distance of a joint from where it may point, in lengths of the upper link."""
-    return length(_joint_chord(limb, _posture(nodes, limb))) / limb.upper
+    return length(_joint_chord(limb, _posture(nodes, limb, trunk_of(nodes, limb)))) / limb.upper
 
 
 @inlined
-def _posture(nodes: Records, limb: Record) -> Posture:
-    """Return a limb and its trunk."""
+def trunk_of(nodes: Records, limb: Record) -> Trunk:
+    """Return the trunk that a limb hangs on."""
     right = minus(triple(nodes[limb.right].p), triple(nodes[limb.left].p))
     up = minus(triple(nodes[limb.high].p), triple(nodes[limb.low].p))
     forward = cross(up, right)
@@ -157,6 +250,12 @@ def _posture(nodes: Records, limb: Record) -> Posture:
     if size >= TINY:
         x, y = times(1.0 / size, forward), times(1.0 / height, up)
         z = cross(x, y)
+    return Trunk(x, y, z, height, width)
+
+
+@inlined
+def _posture(nodes: Records, limb: Record, trunk: Trunk) -> Posture:
+    """Return a limb on its trunk."""
     root = triple(nodes[limb.root].p)
     way = minus(triple(nodes[limb.tip].p), root)
     distance = length(way)
@@ -166,27 +265,29 @@ def _posture(nodes: Records, limb: Record) -> Posture:
     radial = minus(offset, times(along, d))
     across = length(radial)
     if across < TINY:
-        return Posture(x, y, z, height, width, d, distance, (0.0, 0.0, 0.0), 0.0, along)
+        return Posture(trunk, d, distance, (0.0, 0.0, 0.0), 0.0, along)
     e = times(1.0 / across, radial)
-    return Posture(x, y, z, height, width, d, distance, e, across, along)
+    return Posture(trunk, d, distance, e, across, along)
 
 
 @inlined
-def _in_world(a: Vector, now: Posture) -> Vector:
-    return plus(plus(times(a[0], now.x), times(a[1], now.y)), times(a[2], now.z))
+def _in_world(a: Vector, trunk: Trunk) -> Vector:
+    return plus(plus(times(a[0], trunk.x), times(a[1], trunk.y)), times(a[2], trunk.z))
 
 
 @inlined
 def _cone_excess(limb: Record, now: Posture) -> float:
-    """Return the angle by which a limb is out of its cone, less than 0 within it [rad]."""
-    cosine = dot(now.d, _in_world(limb.middle, now))
+    """Return the angle by which a limb is out of its cone, 0 or less within it [rad]."""
+    cosine = dot(now.d, _in_world(limb.middle, now.trunk))
+    if cosine > limb.cone + COSINE_ROUNDING:
+        return 0.0
     return math.acos(min(max(cosine, -1.0), 1.0)) - math.acos(limb.cone)
 
 
 @inlined
 def _allowed_direction(limb: Record, now: Posture) -> Vector:
     """Return the direction nearest to e, across d, in which the joint may point."""
-    c = _turned_with(_in_world(limb.bend, now), _in_world(limb.middle, now), now.d)
+    c = _turned_with(_in_world(limb.bend, now.trunk), _in_world(limb.middle, now.trunk), now.d)
     if now.size == 0.0:
         return c
     if dot(now.e, c) >= limb.spread[0]:
@@ -239,7 +340,7 @@ def _recovered(limb: Record, way: float) -> float:
 @compiled
 def _close_limb(nodes: Records, limb: Record, now: Posture, excess: float) -> None:
     """Turn tip and joint about the root towards the cone."""
-    axis = cross(now.d, _in_world(limb.middle, now))
+    axis = cross(now.d, _in_world(limb.middle, now.trunk))
     size = length(axis)
     if size < TINY:
         return
@@ -289,8 +390,9 @@ def _pulls(
         torque: of these about the root.
     """
     tip, joint, root = limb_pulls
-    high = times(-1.0 / now.height, cross(torque, now.y))
-    right = times(-dot(torque, now.y) / now.width, now.x)
+    trunk = now.trunk
+    high = times(-1.0 / trunk.height, cross(torque, trunk.y))
+    right = times(-dot(torque, trunk.y) / trunk.width, trunk.x)
     left, low = times(-1.0, right), times(-1.0, high)
     if limb.root == limb.left:
         left = plus(left, root)
@@ -320,9 +422,10 @@ def _root_move(limb: Record, moves: Pulls) -> Vector:
 @inlined
 def _trunk_turn(now: Posture, moves: Pulls) -> Vector:
     """Return the turn of the trunk by moves of its nodes [rad]."""
-    bowed = times(1.0 / now.height, cross(now.y, minus(moves.high, moves.low)))
-    twisted = dot(minus(moves.right, moves.left), now.x) / now.width
-    return plus(minus(bowed, times(dot(bowed, now.y), now.y)), times(twisted, now.y))
+    x, y = now.trunk.x, now.trunk.y
+    bowed = times(1.0 / now.trunk.height, cross(y, minus(moves.high, moves.low)))
+    twisted = dot(minus(moves.right, moves.left), x) / now.trunk.width
+    return plus(minus(bowed, times(dot(bowed, y), y)), times(twisted, y))
 
 
 @compiled

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import Records, compiled
+from pipeline.simulation.dynamics.compiled import Records, allocating, compiled
 from pipeline.simulation.spatial import Array
 
 Numbers = NDArray[np.int64]
 
 
-@compiled
+@allocating
 def order_along_x(persons: Records) -> Numbers:
     """Return the numbers of all people in order along x."""
     order = np.zeros(len(persons), dtype=np.int64)

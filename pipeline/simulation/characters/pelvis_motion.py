@@ -79,7 +79,7 @@ def goal_velocity(person: Record) -> tuple[float, float]:
     distance = math.hypot(x, z)
     if not person.has_goal or distance <= 1e-9:
         return 0.0, 0.0
-    left = _way_left(person)
+    left = max(distance - person.stop_distance, 0.0)
     # Slow down so that braking gently ends at the goal.
     speed = min(
         person.pace,
@@ -100,7 +100,7 @@ def _way_left(person: Record) -> float:
 def _walk_vector(person: Record) -> tuple[float, float]:
     """Return the wanted velocity along x and z [m/s]."""
     wx, wz = goal_velocity(person)
-    if _way_left(person) < ARRIVAL_DISTANCE * leg_length(person):
+    if person.has_goal and _way_left(person) < ARRIVAL_DISTANCE * leg_length(person):
         person.has_goal = False
     wx, wz = wx + person.sidestep[0], wz + person.sidestep[1]
     if person.evasion[0] != 0.0 or person.evasion[1] != 0.0:
@@ -160,13 +160,12 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     """Turn towards the walking direction or the facing asked for."""
     target = person.heading
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
+    left = math.hypot(x, z)
     if person.has_facing:
         target = person.facing
-    elif person.has_goal and math.hypot(x, z) > max(
-        person.stop_distance, 0.12 * leg_length(person)
-    ):
+    elif person.has_goal and left > max(person.stop_distance, 0.12 * leg_length(person)):
         # Near the goal a step aside would turn the person away from it.
-        scale = max(person.pace / math.hypot(x, z), 1.0)
+        scale = max(person.pace / left, 1.0)
         target = math.atan2(-scale * z - person.sidestep[1], scale * x + person.sidestep[0])
         target += _turn_to_way(person, target)
     elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_length(person)):

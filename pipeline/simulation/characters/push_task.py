@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,6 +49,41 @@ COMING_TIME = 0.3  # by which a person sees where a post will be [s]
 BACK_DISTANCE = 0.45  # from the rim to which a pusher steps back, in heights
 STEPPING_BACK_TIME = 1.2  # [s]
 TURNING_RATE = 0.1  # from which the sense of a turn counts [rad/s]
+
+
+class Stance(NamedTuple):
+    """How a pusher stands at a merry-go-round.
+
+    Attributes:
+        ring: distance from the hub [m].
+        upright: height to which hands reach down without a bow [m].
+        level: height at which it holds a post [m].
+        lag: angle by which it is behind its post [rad].
+    """
+
+    ring: float
+    upright: float
+    level: float
+    lag: float
+
+
+def stance_of(controller: PersonController, carousel: CarouselPose) -> Stance:
+    """Return how a person stands that pushes a merry-go-round."""
+    person, arm, rim = controller.record, controller.arm, carousel.radius
+    height, shoulders = float(person.height), shoulder_height(controller)
+    ring = rim + RIM_DISTANCE * height + RIM_CLEARANCE
+    upright = shoulders - UPRIGHT_REACH * arm
+    level = float(person.floor) + PUSHING_LEVEL * height
+    lowest = float(carousel.feet[0, 1]) + LOWEST_LEVEL
+    top = float(carousel.tops[0, 1])
+    # Tall people hold the very top.
+    highest = max(top - TOP_MARGIN, min(top, upright))
+    level = min(max(level, lowest), highest)
+    rise = shoulders - level
+    reach = math.sqrt(max((POST_REACH * arm) ** 2 - rise * rise, 0.0))
+    reach = min(max(reach, POST_AHEAD[0] * arm), POST_AHEAD[1] * arm)
+    behind = math.sqrt(max(reach * reach - (ring - rim) ** 2, 0.0))
+    return Stance(ring, upright, level, max(behind, LEAST_LAG * height) / ring)
 
 
 @dataclass
@@ -102,7 +138,7 @@ class PushRound(Task):
         if abs(carousel.rate) > TURNING_RATE:
             self.sense = math.copysign(1.0, carousel.rate)
         own = carousel.angle_of(*controller.record.at)
-        lag = self.sense * self._lag(controller, carousel) - COMING_TIME * carousel.rate
+        lag = self.sense * stance_of(controller, carousel).lag - COMING_TIME * carousel.rate
         offsets = [carousel.post_angle(n) - lag - own for n in free]
         away = [abs(math.remainder(offset, 2.0 * math.pi)) for offset in offsets]
         self.number = free[away.index(min(away))]
@@ -119,8 +155,9 @@ class PushRound(Task):
         if self.number is None:
             return False
         self.time += dt
-        self._walk_round(controller, carousel, self.number)
-        holding = self._push(controller, carousel, self.number, dt)
+        stance = stance_of(controller, carousel)
+        self._walk_round(controller, carousel, stance, self.number)
+        holding = self._push(controller, carousel, stance, self.number, dt)
         if not holding and self.time > REACHING_TIME and self.turned == 0.0:
             self.stick(f"its hands do not reach the post at {place_text(controller)}")
         self.turned += self.sense * carousel.rate * dt if holding else 0.0
@@ -149,55 +186,27 @@ class PushRound(Task):
             person.has_facing = False
         return self.time >= STEPPING_BACK_TIME and controller.is_standing
 
-    def _ring(self, controller: PersonController, carousel: CarouselPose) -> float:
-        """Return the distance of a pusher from the hub [m]."""
-        return carousel.radius + RIM_DISTANCE * float(controller.record.height) + RIM_CLEARANCE
-
-    def _lag(self, controller: PersonController, carousel: CarouselPose) -> float:
-        """Return the angle by which a pusher is behind its post [rad]."""
-        ring, rim = self._ring(controller, carousel), carousel.radius
-        least, arm = LEAST_LAG * float(controller.record.height), controller.arm
-        rise = shoulder_height(controller) - self._level(controller, carousel)
-        reach = math.sqrt(max((POST_REACH * arm) ** 2 - rise * rise, 0.0))
-        reach = min(max(reach, POST_AHEAD[0] * arm), POST_AHEAD[1] * arm)
-        behind = math.sqrt(max(reach * reach - (ring - rim) ** 2, 0.0))
-        return max(behind, least) / ring
-
     def _free_hands(self, controller: PersonController) -> tuple[int, ...]:
         """Return the hands that hold nothing else than a post."""
         posts = controller.hands_holding(controller.view.names[self.owner])
         return tuple(k for k in range(2) if k in posts or not controller.is_holding(k))
 
-    def _level(self, controller: PersonController, carousel: CarouselPose) -> float:
-        """Return the height at which a pusher holds a post [m]."""
-        level = float(controller.record.floor) + PUSHING_LEVEL * float(controller.record.height)
-        lowest = float(carousel.feet[0, 1]) + LOWEST_LEVEL
-        top = float(carousel.tops[0, 1])
-        # Tall people hold the very top.
-        highest = max(top - TOP_MARGIN, min(top, self._upright_level(controller)))
-        return min(max(level, lowest), highest)
-
-    def _upright_level(self, controller: PersonController) -> float:
-        """Return the height to which hands reach down without a bow [m]."""
-        return shoulder_height(controller) - UPRIGHT_REACH * controller.arm
-
     def _walk_up(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Go to the rim."""
-        ring = self._ring(controller, carousel)
+        ring = stance_of(controller, carousel).ring
         place = carousel.place(carousel.angle_of(*controller.record.at), ring)
         self.stick(self.approach.walk_to(controller, place, 0.0, self.owner, dt), self.approach)
         self.is_at_rim = carousel.distance(controller) < ring + NEAR_RING
 
     def _walk_round(
-        self, controller: PersonController, carousel: CarouselPose, number: int
+        self, controller: PersonController, carousel: CarouselPose, stance: Stance, number: int
     ) -> None:
         """Walk after the post, facing along the round."""
-        person, ring = controller.record, self._ring(controller, carousel)
+        person, ring = controller.record, stance.ring
         # Feet that swing past the rim need not clear the deck: nobody lifts them so high.
-        person.beside_deck = not bool(person.stance_on_deck.any())
+        person.beside_deck = person.stance_on_deck.tolist() == [0, 0]
         own = carousel.angle_of(*person.at)
-        lag = self._lag(controller, carousel)
-        wanted = carousel.post_angle(number) - self.sense * lag
+        wanted = carousel.post_angle(number) - self.sense * stance.lag
         behind = self.sense * math.remainder(wanted - own, 2.0 * math.pi)
         speed = self.sense * carousel.rate * ring + FOLLOW_GAIN * ring * behind
         aim = carousel.place(own + self.sense * ROUND_LEAD, ring)
@@ -215,12 +224,17 @@ class PushRound(Task):
         person.has_facing, person.facing = True, math.remainder(tangent, 2.0 * math.pi)
 
     def _push(
-        self, controller: PersonController, carousel: CarouselPose, number: int, dt: float
+        self,
+        controller: PersonController,
+        carousel: CarouselPose,
+        stance: Stance,
+        number: int,
+        dt: float,
     ) -> bool:
         """Hold the post, and push it on; tell whether a hand holds it."""
         person = controller.record
         fastest = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
-        rate = min(WANTED_RATE, fastest / self._ring(controller, carousel))
+        rate = min(WANTED_RATE, fastest / stance.ring)
         rate *= min(self.time / STARTING_TIME, 1.0)
         is_boarded = bool(controller.view.decks.boarding[self.owner])
         if is_boarded:
@@ -231,18 +245,17 @@ class PushRound(Task):
         person.brace = BRACE * effort
         angle = carousel.post_angle(number) + self.sense * 0.5 * math.pi
         ahead = np.array([math.cos(angle), 0.0, -math.sin(angle)])
-        level = self._level(controller, carousel)
-        self.leads_hands, upright = True, self._upright_level(controller)
+        self.leads_hands, upright, level = True, stance.upright, stance.level
         nodes, holds = carousel.post_nodes(number), 0
         for k in range(2):
             own = level if k == 0 else max(level - HANDS_APART, min(level, upright))
             if hold_bar(controller, k, nodes, own, self.owner):
-                place = controller.held_place(k).copy()
+                place = controller.held_place(k)
+                stretch = math.dist(controller.shoulder(k), place)
                 # Who bows to push would walk with bent knees.
                 place[1] = max(float(place[1]), upright)
                 controller.put_hand(k, place)
                 holds += 1
-                stretch = math.dist(controller.shoulder(k), controller.held_place(k))
                 if stretch > LONGEST_STRETCH * controller.arm:
                     controller.let_go(k)
         mass = float(controller.view.arrays.owners["mass"][person.owner])

@@ -1,4 +1,4 @@
-"""Step report: what a step tells: contacts, footfalls, pains, cries and hugs."""
+"""Step report: what a step tells: contacts, pains, cries and hugs."""
 
 from __future__ import annotations
 
@@ -18,26 +18,20 @@ from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import DECK_MATERIAL, MATERIALS
 from pipeline.simulation.characters.queue_task import QueueUp
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
-from pipeline.simulation.clock import Clock
-from pipeline.simulation.dynamics.compiled import Record, Records, entry
+from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.obstacles import Obstacle
-from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Contact
-from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character
 
 FOOTFALL_LINKS = ("shin_l", "shin_r")
 """Links of acting people whose touches of the ground are reported as footfalls."""
 
-LEG_MASS = SEGMENT_MASSES["thigh"] + SEGMENT_MASSES["shin"] + SEGMENT_MASSES["foot"]
-"""Mass that comes down with a foot, as a fraction of the body."""
-
 LATEST = math.nextafter(1.0, 0.0)
 """Greatest fraction of a step."""
 
-SKIN, SHOES = "skin", "leather"
-"""Sound materials of people and of their steps."""
+SKIN = "skin"
+"""Sound material of people."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +87,10 @@ class ContactReporter:
 
     def contacts(self, log: TouchLog, step: int) -> tuple[Contact, ...]:
         """Return the touches of a step, except for the feet of walkers."""
+        if not log.filled.item(0):
+            return ()
         found = []
-        for event in log.events[: log.filled[0]] if log.filled[0] else ():
+        for event in log.events[: log.filled[0]]:
             member = self._member(int(event["link"]))
             name = self._link_name(member, int(event["link"]))
             if event["other"] == TERRAIN and member.acts and name in FOOTFALL_LINKS:
@@ -104,8 +100,10 @@ class ContactReporter:
 
     def touched(self, log: TouchLog) -> tuple[tuple[str, str], ...]:
         """Return the pairs of performers that began to touch in a step."""
+        if not log.filled.item(0):
+            return ()
         pairs = dict[tuple[str, str], None]()
-        for event in log.events[: log.filled[0]] if log.filled[0] else ():
+        for event in log.events[: log.filled[0]]:
             other = int(event["other"])
             if other == TERRAIN:
                 continue
@@ -169,84 +167,6 @@ def _material(member: Character) -> str:
     return member.material or MATERIALS.get(member.character, SKIN)
 
 
-def footfalls(
-    persons: Records,
-    views: Sequence[Record],
-    names: Sequence[str],
-    masses: Sequence[float],
-    ground: Ground,
-    clock: Clock,
-    step: int,
-    reporter: ContactReporter,
-) -> tuple[Contact, ...]:
-    """Return the footfalls since the last report, and start a new one.
-
-    Args:
-        persons: `PERSON` records.
-        views: of these.
-        names: of the people.
-        masses: of the people [kg].
-        ground: the terrain.
-        clock: of the scene.
-        step: that was taken.
-        reporter: knows what feet stand on.
-    """
-    if not _has_touchdowns(persons):
-        return ()
-    touchdowns = persons["touchdowns"]
-    people, feet = np.nonzero(touchdowns)
-    places = persons["stance_place"][people, feet]
-    normals = ground.field.normal(places[:, 0], places[:, 2]).tolist()
-    found = []
-    for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True):
-        person = views[n]
-        if person.stance_on_deck[k] == 1:
-            normal = person.deck_axes[:, 1].tolist()
-        below, mass = reporter.ground_below(person, k), masses[n] * LEG_MASS
-        found.append(_footfall(person, k, names[n], mass, normal, below, clock, step))
-    touchdowns[:] = 0
-    return tuple(found)
-
-
-@entry
-def _has_touchdowns(persons: Records) -> bool:
-    """Tell whether feet have touched down since the last report, and start a new one."""
-    found = False
-    for k in range(len(persons)):
-        persons[k].report_time = 0.0
-        found |= persons[k].touchdowns[0] != 0 or persons[k].touchdowns[1] != 0
-    return found
-
-
-def _footfall(
-    person: Record,
-    k: int,
-    name: str,
-    mass: float,
-    normal: tuple[float, float, float],
-    below: tuple[str, str],
-    clock: Clock,
-    step: int,
-) -> Contact:
-    x, y, z = person.stance_place[k].tolist()
-    speed = float(person.touchdown_speed[k])
-    return Contact(
-        step=step,
-        fraction=min(max(float(person.touchdown_time[k]) / clock.dt, 0.0), LATEST),
-        performer=name,
-        part=f"{name}.foot_{'lr'[k]}",
-        other=below[0],
-        place=(x, y - float(person.ankle), z),
-        normal=(normal[0], normal[1], normal[2]),
-        speed=speed,
-        energy=0.5 * mass * speed * speed,
-        material=SHOES,
-        surface=below[1],
-        size=float(person.thigh + person.shin),
-        kind="touch",
-    )
-
-
 class Voice(NamedTuple):
     """A sound that a person with a mind makes.
 
@@ -282,13 +202,14 @@ class SignalDetector:
         Args:
             voices: of people with a mind.
         """
-        voiced = (self._voiced(voice) for voice in voices)
-        return (*self._pains(), *voiced, *self._hugs(), *self._services())
+        found = list(self._pains()) if self._pain.largest > CRY.pain else []
+        found += [self._voiced(voice) for voice in voices]
+        if self._dispatcher.busy() or self._hugged or self._served:
+            found += [*self._hugs(), *self._services()]
+        return tuple(found)
 
     def _pains(self) -> Iterator[Signal]:
         view, added = self._dispatcher.view, self._pain.added
-        if self._pain.largest <= CRY.pain:
-            return
         for k in np.flatnonzero(added > CRY.pain).tolist():
             owner = int(self._dispatcher.controllers[k].record.owner)
             cause = hardest_toucher(view.arrays, owner)

@@ -50,7 +50,7 @@ from pipeline.simulation.characters.second_try import Regret, StepAside, place_a
 from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.record_view import record_view
-from pipeline.simulation.order_outcome import Outcome
+from pipeline.simulation.order_outcome import GripChange, Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts
@@ -60,6 +60,9 @@ from pipeline.spec.gesture import GESTURES
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import key_of_order
+
+NO_FACTS = Facts()
+"""Of a step in which people do nothing to be told."""
 
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
@@ -124,6 +127,7 @@ class TaskDispatcher:
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
         self._tasks: list[Task | None] = [None] * count
+        self._busy: Sequence[tuple[int, Task]] | None = ()
         self._done, self._ordered = [True] * count, [False] * count
         self._gaze = GazeChoice(view, count)
         # Who may have something to do in the next step, and who had in this one.
@@ -202,10 +206,14 @@ class TaskDispatcher:
         """Return the task of a person."""
         return self._tasks[k]
 
-    def busy(self) -> list[tuple[int, Task]]:
+    def busy(self) -> Sequence[tuple[int, Task]]:
         """Return the people who have tasks, by index, and these."""
-        tasks = self._tasks
-        return [(k, task) for k in sorted(self._active) if (task := tasks[k]) is not None]
+        if self._busy is None:
+            self._busy = tuple((k, task) for k, task in enumerate(self._tasks) if task is not None)
+        return self._busy
+
+    def _set_task(self, k: int, task: Task | None) -> None:
+        self._tasks[k], self._busy = task, None
 
     @property
     def acting(self) -> list[PersonController]:
@@ -236,7 +244,8 @@ class TaskDispatcher:
                 controller.let_go(hand)
             else:
                 person.arm_mode[hand] = SWINGING
-        self._tasks[k], self._done[k] = None, True
+        self._set_task(k, None)
+        self._done[k] = True
         self.view.slots.leave(controller.name)
 
     def glance(self, k: int, owner: int) -> None:
@@ -362,11 +371,18 @@ class TaskDispatcher:
 
     def facts(self) -> Facts:
         """Return what people did in the last step: orders ended, touches of hands, and grips."""
-        acting = self.acting
-        changes = [change for one in acting for change in one.grip_changes]
+        changes, touched = list[GripChange](), list[tuple[str, str]]()
+        for k in self._acting:
+            one = self.controllers[k]
+            if one.grip_changes:
+                changes += one.grip_changes
+            if one.touched:
+                touched += [(one.name, name) for name in one.touched]
+        if not (changes or touched or self._arrived or self._outcomes):
+            return NO_FACTS
         return Facts(
             arrived=tuple(self._arrived),
-            touched=tuple((one.name, name) for one in acting for name in one.touched),
+            touched=tuple(touched),
             outcomes=tuple(self._outcomes),
             # What goes from hand to hand is taken before it is let go of.
             grips=tuple(sorted(changes, key=lambda change: not change.taken)),
@@ -467,7 +483,8 @@ class TaskDispatcher:
         if last is not None:
             last.leave(controller)
         keeps_arms = keeps_arms and (self._done[k] or not isinstance(last, ARM_TASKS))
-        self._tasks[k], self._done[k] = task, False
+        self._set_task(k, task)
+        self._done[k] = False
         self.view.slots.leave(controller.name)
         self._set_pace(k, 0.0)
         controller.record.stoop_depth = 0.0
@@ -492,7 +509,7 @@ class TaskDispatcher:
             task.leave(controller)
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
-            self._tasks[k] = None
+            self._set_task(k, None)
 
 
 def _hold(controller: PersonController, may_grip: bool) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import partial
 from typing import Any, ParamSpec, TypeVar
 
 import numba
@@ -36,19 +37,30 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+INNER = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Options of functions that only compiled code calls."""
+
+
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that other compiled functions call; plain Python cannot call it."""
-    return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
+    """Compiles a function that other compiled functions call; plain Python cannot call it.
+
+    It makes no arrays and returns none that others make, so that references to arrays need not
+    be counted: that would cost as much as short work on them.
+    """
+    return numba.njit(_nrt=False, **INNER)(function)
 
 
 def inlined(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that is inlined into its compiled callers.
+    """Compiles a function as `compiled` does, inlined into its compiled callers.
 
     A tuple of many arrays is passed array by array, which costs more than short work on it.
     """
-    return numba.njit(
-        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
-    )(function)
+    return numba.njit(_nrt=False, forceinline=True, **INNER)(function)
+
+
+def allocating(function: Callable[P, T]) -> Callable[P, T]:
+    """Compiles a function as `compiled` does, but one that makes or finds arrays."""
+    return numba.njit(_nrt=True, **INNER)(function)
 
 
 def entry(function: Callable[P, T]) -> Callable[P, T]:
@@ -57,6 +69,19 @@ def entry(function: Callable[P, T]) -> Callable[P, T]:
     if not numba.config.DISABLE_JIT:
         dispatcher._cache = StoredCode(function)
     return dispatcher
+
+
+def bound(function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+    """Returns a call of an entry with these very arguments, whose types are examined only once.
+
+    To examine tuples of many arrays takes longer than to read them.
+    """
+    if not numba.config.DISABLE_JIT:
+        dispatcher: Any = function
+        types = tuple(dispatcher.typeof_pyval(argument) for argument in arguments)
+        dispatcher.compile(types)
+        function = dispatcher.overloads[types].entry_point
+    return partial(function, *arguments)
 
 
 def native(function: Callable[..., Any], signature: Any) -> Any:

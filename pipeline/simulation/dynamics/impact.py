@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple
 
 from pipeline.simulation.dynamics.body_record import Motion
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, allocating, compiled
 from pipeline.simulation.dynamics.contact_solver import (
     CONVERGED,
     MAX_SWEEPS,
@@ -136,7 +136,7 @@ def _kinetic(matter: BodyMatter, v: Vector, w: Vector) -> float:
     return 0.5 * (matter.mass * dot(v, v) + dot(w, turned(matter.inertia, w)))
 
 
-@compiled
+@allocating
 def _dissipative_solution(
     matter: BodyMatter, parts: Records, n: int, v0: Vector, w0: Vector
 ) -> tuple[Vector, Vector]:

@@ -27,7 +27,7 @@ from pipeline.simulation.dynamics.body_record import (
     Workspace,
     records_of,
 )
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, allocating, compiled
 from pipeline.simulation.dynamics.contact_solver import SOLVER_CONTACT
 from pipeline.simulation.dynamics.mujoco_callback import (
     Layout,
@@ -184,13 +184,13 @@ def _compile_collision(layout: Layout) -> Any:
     return native_collision(collide)
 
 
-@compiled
+@allocating
 def _floats(entry: Array) -> Array:
     """Returns the matrix of an entry of `ARRAYS`."""
     return array_at(entry[0], entry[1] * entry[2], FLOAT64).reshape(entry[1], entry[2])
 
 
-@compiled
+@allocating
 def _integers(entry: Array) -> NDArray[np.int64]:
     """Returns the matrix of integers of an entry of `ARRAYS`."""
     return array_at(entry[0], entry[1] * entry[2], INT64).reshape(entry[1], entry[2])

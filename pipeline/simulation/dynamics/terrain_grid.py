@@ -78,6 +78,9 @@ FRAME = np.dtype(
         ("quads", "?"),
         # Centre and extent along x and z [m]; cosine and sine of the heading.
         *((name, "f8") for name in ("at_x", "at_z", "size_x", "size_z", "cos", "sin")),
+        # Whether it is level, and at which height [m].
+        ("level", "?"),
+        ("height", "f8"),
     ],
     align=True,
 )
@@ -128,7 +131,8 @@ def grid_of(field: HeightField) -> Grid:
 def frame_of(field: HeightField) -> Record:
     """Returns the placement of the grid of a height field."""
     turn = (math.cos(field.heading), math.sin(field.heading)) if field.heading else (1.0, 0.0)
-    frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn)
+    level = bool(np.ptp(field.heights) == 0.0), float(field.heights[0, 0])
+    frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn, *level)
     return records_of_array(np.array([frame], dtype=FRAME))[0]
 
 
@@ -182,6 +186,8 @@ def is_over_grid(frame: Record, x: float, z: float) -> bool:
 @compiled
 def surface_at(frame: Record, vertices: Array, x: float, z: float) -> tuple[float, Vector]:
     """Returns height and normal of the surface at a position, see `HeightField`."""
+    if frame.level:
+        return frame.height, _slope_normal(frame, 0.0, 0.0)
     x, z = to_grid_frame(frame, x, z)
     u = min(max((x / frame.size_x + 0.5) * frame.n_x, 0.0), float(frame.n_x))
     v = min(max((z / frame.size_z + 0.5) * frame.n_z, 0.0), float(frame.n_z))

@@ -10,6 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.simulation.dynamics.compiled import bound
+from pipeline.simulation.dynamics.free_motion import rotate_freely
+from pipeline.simulation.spatial import Array
+
 DROP_BODIES = """
 from tests.simulation.dynamics.test_terrain_bodies import DT, build_random_drop
 import numpy as np
@@ -46,6 +50,22 @@ def test_compiled_code_matches_python() -> None:
     # motion amplifies.
     np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-4)
     assert (compiled == plain).mean() > 0.6
+
+
+def test_a_bound_call_goes_on_from_what_the_last_one_left() -> None:
+    def bodies() -> tuple[Array, Array, Array, Array]:
+        q, w = np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([[0.3, -2.0, 1.0]])
+        inertia = np.diag([0.1, 0.2, 0.4])[None].copy()
+        return q, w, inertia, np.linalg.inv(inertia)
+
+    plain, held = bodies(), bodies()
+    turn = bound(rotate_freely, *held, 0.01)
+    for _ in range(3):
+        rotate_freely(*plain, 0.01)
+        turn()
+        for one, other in zip(plain, held, strict=True):
+            assert np.array_equal(one, other)
+    assert not np.array_equal(held[0], bodies()[0])
 
 
 COMPILE_ONE = """

@@ -26,7 +26,7 @@ from pipeline.simulation.characters.visibility_route import (
     are_free,
     straight_way,
 )
-from pipeline.simulation.dynamics.compiled import compiled, entry
+from pipeline.simulation.dynamics.compiled import allocating, compiled, entry
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
@@ -88,7 +88,9 @@ def steer(
     """
     pace = mind.pace if pace is None else pace
     place = mind.clip_to_terrain(place)
-    left = max(math.dist(place, mind.at) - stop_distance, 0.0)
+    x, z = place.tolist()
+    at_x, at_z = mind.at.tolist()
+    left = max(math.hypot(x - at_x, z - at_z) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
     detour, walker = mind.detour, _walker(mind, pace)
@@ -346,7 +348,7 @@ def _inward(at: float, v: float, low: float, high: float) -> float:
     return v
 
 
-@compiled
+@allocating
 def _near(obstacles: _Obstacles, size: float, body_radius: float) -> IntArray:
     """Return the indices of obstacles that are near, and not behind a place at a distance [m].
 

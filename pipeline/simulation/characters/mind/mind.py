@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -115,7 +116,7 @@ class Mind:
         self._edges = edges.tolist()
         self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
         self._records = records
-        self._arrays, self._number = arrays, number
+        self._noise = arrays.noise[number]
         self._state = record_view(arrays.minds, number)
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
@@ -152,13 +153,13 @@ class Mind:
 
     # --- for behaviours -----------------------------------------------------------------
 
-    @property
+    @cached_property
     def pace(self) -> float:
         """Usual speed [m/s]."""
         share = STROLL_FROUDE + (RUN_FROUDE - STROLL_FROUDE) * self.traits.speed
         return share * self.froude_speed
 
-    @property
+    @cached_property
     def stroll(self) -> float:
         """Leisurely speed [m/s]."""
         return STROLL_FROUDE * self.froude_speed
@@ -283,7 +284,7 @@ class Mind:
         """Pass on what `notice` needs to know of it."""
         state = self._state
         state.returns, state.hugs = self.doing == "attachment", self.is_hugging
-        self.rng.random(out=self._arrays.noise[self._number])
+        self.rng.random(out=self._noise)
 
     def take_over(self, now: float) -> None:
         """Accept the time [s] and place at which it has noticed."""

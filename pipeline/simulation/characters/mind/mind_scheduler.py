@@ -201,8 +201,9 @@ class MindScheduler:
         turns = list(range(-step % self._interval, len(self.minds), self._interval))
         if hurt:
             turns = sorted(hurt.union(turns))
-        if turns:
-            self._notice(turns, now)
+        if not turns:
+            return
+        self._notice(turns, now)
         ordered, giving = self._dispatcher.is_ordered, self._dispatcher.giving
         delights, gazes, behaviours = self._numbers
         led = {n for n in turns if ordered(k := self._indices[n]) or k in giving}
@@ -222,8 +223,7 @@ class MindScheduler:
             self._dispatcher.glance(k, mind.glances.at)
             delights[n], gazes[n] = mind.delight, mind.glances.at
             behaviours[n] = behaviour_number(mind.doing)
-        if turns:
-            show_feelings(self._arrays, np.array(turns), self.felt, self._values)
+        show_feelings(self._arrays, np.array(turns), self.felt, self._values)
 
     def _notice(self, turns: Sequence[int], now: float) -> None:
         """Let minds perceive, remember, feel and attend."""
@@ -321,7 +321,7 @@ def _walk(mind: Mind, command: MotorCommand) -> None:
         turn = abs(_wrapped(mind.heading_to(place) - mind.heading_to(way)))
         goal = None if turn > GLANCING_BACK_ANGLE else goal
     if goal is not None:
-        if (first := way_off_deck(controller, np.array(goal))) is not None:
+        if (first := way_off_deck(controller, goal)) is not None:
             goal = float(first[0]), float(first[1])
         controller.go(*goal, partner=command.target if command.touching else NOBODY)
     else:

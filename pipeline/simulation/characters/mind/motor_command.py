@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.person_tasks import Task
 
-if TYPE_CHECKING:
-    pass
 
-
-@dataclass(frozen=True, slots=True)
-class MotorCommand:
+class MotorCommand(NamedTuple):
     """The motor vector of a behaviour.
 
     Attributes:

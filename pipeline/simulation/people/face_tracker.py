@@ -40,8 +40,8 @@ BLINK_PAUSE = 1.4, 5.6
 BLINK_CLOSING, BLINK_OPENING = 0.07, 0.14
 """Durations of both halves of a blink [s]."""
 
-MAX_EYE_SIDE, MAX_EYE_UP, MAX_EYE_DOWN = np.radians([32.0, 18.0, 22.0])
-"""Turns of the eyes against the head."""
+MAX_EYE_SIDE, MAX_EYE_UP, MAX_EYE_DOWN = np.radians([28.0, 14.0, 18.0])
+"""Turns of the eyes against the head: farther up or down lids would hide the irises."""
 
 EYE_TIME = 0.02
 """Time constant of a saccade [s]."""
@@ -81,8 +81,16 @@ class FaceInputs:
     @staticmethod
     def calm(count: int) -> FaceInputs:
         """Return what moves the faces of people that feel nothing and look ahead."""
-        six, two, one = (np.zeros((count, n)) for n in (len(EMOTIONS), 2, 1))
-        return FaceInputs(six, six + np.nan, one[:, 0], two, one[:, 0], two, two)
+        feelings = (count, len(EMOTIONS))
+        return FaceInputs(
+            felt=np.zeros(feelings),
+            told=np.full(feelings, np.nan),
+            pain=np.zeros(count),
+            eyes=np.zeros((count, 2)),
+            stun=np.zeros(count),
+            grips=np.zeros((count, 2)),
+            flat=np.zeros((count, 2)),
+        )
 
 
 class FaceTracker:

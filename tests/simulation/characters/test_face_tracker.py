@@ -230,3 +230,12 @@ def test_only_people_express() -> None:
     text = "pronk: 1\nframes: 1\ncast: [{name: mare, figure: horse, walk: {}}]\n"
     with pytest.raises(SceneError, match="express is no order"):
         read_scene(text + "script: [{at: 0, who: mare, do: {express: joy}}]\n")
+
+
+def test_each_input_of_a_calm_face_is_its_own() -> None:
+    """Inputs that share an array would move the eyes by how hands grip."""
+    calm = FaceInputs.calm(2)
+    for field in fields(FaceInputs):
+        values = getattr(calm, field.name)
+        others = [getattr(calm, f.name) for f in fields(FaceInputs) if f.name != field.name]
+        assert not any(np.shares_memory(values, other) for other in others)

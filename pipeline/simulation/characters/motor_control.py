@@ -115,7 +115,7 @@ def _within_view_of_way(person: Record, aside: float) -> float:
     before what it keeps facing.
     """
     goal, velocity = goal_velocity(person), (person.velocity[0], person.velocity[1])
-    if faces_away(person, goal):
+    if faces_away(person, goal) and not person.startled:
         return _within_view(person, aside, velocity, BACKWARD_FROUDE)
     aside = _within_view(person, aside, goal, 0.0)
     return _within_view(person, aside, velocity, 0.0)

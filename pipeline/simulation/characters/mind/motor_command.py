@@ -26,6 +26,7 @@ class MotorCommand:
         task: done in place of all this, such as a hug.
         sits: whether to sit down.
         frozen: whether to keep quite still.
+        startled: whether it starts back from pain.
     """
 
     goal: tuple[float, float] | None = None
@@ -37,3 +38,4 @@ class MotorCommand:
     task: Task | None = None
     sits: bool = False
     frozen: bool = False
+    startled: bool = False

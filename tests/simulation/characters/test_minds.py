@@ -237,6 +237,21 @@ def test_a_running_hug_hurts_only_in_slapstick() -> None:
         assert hugged or slapstick
 
 
+def test_a_step_back_is_slow_with_the_eyes_on_what_is_faced() -> None:
+    made = simulation("- {name: one, character: adult}", 3)
+    controller = troupe(made).dispatcher.controllers[0]
+    record, fastest = controller.record, 0.0
+    controller.go(-2.0, 0.0)
+    record.has_facing, record.facing = True, 0.0
+    controller.look_at(np.array([2.0, 1.5, 0.0]))
+    for _ in steps(made):
+        fastest = max(fastest, float(np.hypot(*record.velocity)))
+        assert abs(float(record.heading)) < 0.1
+        assert abs(float(record.gaze[0])) < 0.2
+    assert record.at[0] < -0.5
+    assert fastest < 0.45
+
+
 def test_hands_that_hug_a_small_child_lie_on_its_back() -> None:
     cast = """
 - {name: mum, character: adult, at: [0, 0], heading_deg: 120, traits: {},

@@ -417,7 +417,7 @@ def _swing(
     person.ankles[k, 1] = (1.0 - rise) * person.liftoff_place[k, 1] + rise * height
     # Level at both ends, so that the foot neither bumps down nor jerks up.
     person.ankles[k, 1] += 16.0 * person.swing_height[k] * (u * (1.0 - u)) ** 2
-    person.yaw[k] = person.liftoff_yaw[k] + s * _swing_turn(person, k)
+    person.yaw[k] = person.liftoff_yaw[k] + smoothstep(u) * _swing_turn(person, k)
     pitch_blend = smoothstep(u / 0.8)
     person.pitch[k] = (1.0 - pitch_blend) * person.liftoff_pitch[k] + pitch_blend * toes
 

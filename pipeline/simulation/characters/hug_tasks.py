@@ -69,7 +69,10 @@ HUG_HELD = 0.08  # from touching, within which two are together [m]
 HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
 TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
 WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
-EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
+EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
+FACING = math.radians(40.0)  # turned away by less, one bows to a partner
+BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
+STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths
 
 
 @dataclass
@@ -283,38 +286,46 @@ class LoosenHug(Task):
 
 @dataclass
 class ReturnHug(Task):
-    """Put both hands on the back of an approaching partner, without a step and without bowing.
+    """Bend down to an approaching partner with open arms, and put both hands on its back.
 
     Attributes:
         owner: number of the partner.
         size: height of the partner [m].
+        closes: whether the partner is near enough for the hands to close.
         opens: whether the hands come off again.
-        time: since they do, or since the start [s].
+        time: since they close or come off [s].
     """
 
     owner: int
     size: float
+    closes: bool = False
     opens: bool = False
     time: float = 0.0
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         person = controller.record
+        nodes = controller.view.nodes(self.owner)
+        partner, low = nodes[SHOULDERS], float(nodes[PELVIS, 1])
         if self.time == 0.0:
             controller.stop()
-            person.has_facing = False
+            controller.face_to(partner)
         controller.embrace(self.owner)
-        self.time += dt
-        partner = controller.view.middle(self.owner)
+        self.time += dt if self.closes or self.opens else 0.0
+        top, level = shoulder_height(controller), low + BACK_HEIGHT * (float(partner[1]) - low)
+        person.stoop_depth = max(top - level - STOOP_REACH * controller.arm, 0.0)
+        if not controller.is_facing(FACING):
+            # It would bow past the partner.
+            person.stoop_depth, level = 0.0, max(level, top - EMBRACE_DESCENT * controller.arm)
         ahead = np.array([partner[0] - person.at[0], partner[2] - person.at[1]])
-        ahead /= max(math.hypot(ahead[0], ahead[1]), 1e-6)
+        distance = max(math.hypot(ahead[0], ahead[1]), 1e-6)
+        ahead /= distance
         share = min(self.time / HUG.closing_time, 1.0)
         wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
-        lowest = shoulder_height(controller) - EMBRACE_DESCENT * controller.arm
-        level = max(float(partner[1]) - 0.03 * self.size, lowest)
+        behind = min(distance + 0.11 * self.size, controller.arm)
         for k in range(2):
             side = wide if k == 1 else -wide
-            x = partner[0] + 0.11 * self.size * ahead[0] - side * ahead[1]
-            z = partner[2] + 0.11 * self.size * ahead[1] + side * ahead[0]
-            controller.put_hand(k, np.array([x, level, z]))
+            x = person.at[0] + behind * ahead[0] - side * ahead[1]
+            z = person.at[1] + behind * ahead[1] + side * ahead[0]
+            controller.put_hand_around(k, np.array([x, level, z]))
         return self.time > HUG.closing_time

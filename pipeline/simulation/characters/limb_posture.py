@@ -233,9 +233,11 @@ MAX_LEG_STRETCH = 0.995  # of a swinging leg, in the sum of its links
 RUNNING_FOLD = 0.2  # less of it in the middle of a runner's swing
 KNEE_OUTWARD = 0.06  # of bent knees, as a tangent; more in sitting
 SQUAT_OUTWARD = 0.8  # in a crouch, so that arms reach down between the knees
+TOES_SHARE = 0.6  # of the turn of a foot against the pelvis that its knee takes part in
+MAX_KNEE_OUTWARD = math.radians(45.0)  # as far as hips turn
 MAX_KNEE_INWARD = 0.1  # [rad], so that knees do not strike one another
 KNEE_CLEARANCE = 0.094  # of knees that pass one another, in heights: two thighs side by side
-KNEE_RANGE = 3.0  # distance ahead within which knees part, in knee clearances
+KNEE_RANGE = 4.0  # distance ahead within which knees part, in knee clearances
 MAX_THIGH_LEAN = 0.6  # sine of the lean beyond which no more clearance is made
 PARTING_BLEND = 0.3  # of a swing, in which it comes to yield to the other knee alone
 
@@ -250,7 +252,10 @@ def hold_legs(person: Record) -> None:
             ankle = clamp_distance(hip, ankle, 0.0, longest)
             put(person.ankles, k, ankle)
         side = 1.0 if k == 1 else -1.0
-        inward = side * 0.6 * wrap_angle(person.yaw[k] - person.heading)
+        inward = side * TOES_SHARE * wrap_angle(person.yaw[k] - person.heading)
+        # A foot that a turning pelvis leaves behind turns in its own joints, too.
+        if inward < 0.0:
+            inward = MAX_KNEE_OUTWARD * math.tanh(inward / MAX_KNEE_OUTWARD)
         toes = person.heading + side * min(inward, MAX_KNEE_INWARD)
         right = (math.sin(toes), 0.0, math.cos(toes))
         # Ahead of a hanging leg, above one that lies ahead: never parallel to the leg.

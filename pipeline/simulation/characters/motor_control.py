@@ -30,7 +30,9 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.hurdles import notice_hurdles
 from pipeline.simulation.characters.limb_posture import advance_stoop, hold_arms, hold_legs
 from pipeline.simulation.characters.pelvis_motion import (
+    BACKWARD_FROUDE,
     advance_sitting,
+    faces_away,
     goal_velocity,
     halt,
     lead_pelvis,
@@ -109,18 +111,27 @@ def _within_view_of_way(person: Record, aside: float) -> float:
     """Return a gaze yaw against the pelvis such that a person sees its way.
 
     The head turns to the way before the person sets out, and keeps to the present way until it has
-    slowed down. A person walking backward looks over a shoulder.
+    slowed down. A person walking backward looks over a shoulder, unless it only feels its way back
+    before what it keeps facing.
     """
-    aside = _within_view(person, aside, goal_velocity(person))
-    return _within_view(person, aside, (person.velocity[0], person.velocity[1]))
+    goal, velocity = goal_velocity(person), (person.velocity[0], person.velocity[1])
+    if faces_away(person, goal) and not person.startled:
+        return _within_view(person, aside, velocity, BACKWARD_FROUDE)
+    aside = _within_view(person, aside, goal, 0.0)
+    return _within_view(person, aside, velocity, 0.0)
 
 
 @compiled
-def _within_view(person: Record, aside: float, velocity: tuple[float, float]) -> float:
-    """Return a gaze yaw against the pelvis that is nearer to the direction of a velocity."""
+def _within_view(
+    person: Record, aside: float, velocity: tuple[float, float], slowest: float
+) -> float:
+    """Return a gaze yaw against the pelvis that is nearer to the direction of a velocity.
+
+    Only speeds above the slowest one matter, in √(g l).
+    """
     way = wrap_angle(math.atan2(-velocity[1], velocity[0]) - person.heading)
     speed = froude(math.hypot(velocity[0], velocity[1]), leg_length(person))
-    walking = smoothstep(speed / WALKING_GAZE_FROUDE)
+    walking = smoothstep(max(speed - slowest, 0.0) / WALKING_GAZE_FROUDE)
     gaze = wrap_angle(person.gaze[0] - person.heading)
     if abs(way) > STRAIGHT_BACKWARD and way * gaze < 0.0:
         # Over the shoulder over which the person looks already.

@@ -181,7 +181,8 @@ class PainReflexes:
                 reflex.withdrawal_end = now
             if now < reflex.withdrawal_end:
                 controller.go(float(reflex.goal[0]), float(reflex.goal[1]))
-                controller.record.pace = WITHDRAWAL_FROUDE * math.sqrt(GRAVITY * record.hip_height)
+                record.startled = True
+                record.pace = WITHDRAWAL_FROUDE * math.sqrt(GRAVITY * record.hip_height)
                 place = dispatcher.view.pelvis(reflex.striker)
                 x, z = place[0] - record.at[0], place[2] - record.at[1]
                 record.has_facing, record.facing = True, math.atan2(-z, x)
@@ -199,7 +200,7 @@ class PainReflexes:
         dispatcher, reflex = self._dispatcher, self._reflexes[k]
         record, walk = dispatcher.controllers[k].record, reflex.walk
         dispatcher.suspended.discard(k)
-        reflex.walk = None
+        reflex.walk, record.startled = None, False
         if walk is None:
             return
         kept = WALK_FIELDS if dispatcher.task(k) is walk.task else ("pace",)

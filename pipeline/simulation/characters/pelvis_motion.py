@@ -32,6 +32,7 @@ BRAKING_ACCELERATION = 0.08  # before a goal, in g
 SHUFFLE_FROUDE = 0.15  # of steps aside or back without turning, in √(g l)
 MAX_CRAB = math.radians(15.0)  # of the way that is walked from the heading
 MOST_FACED_AWAY = math.radians(100.0)  # the same, beyond which a person steps back instead
+BACKWARD_FROUDE = 0.13  # of steps back before what a person keeps facing, in √(g l)
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
@@ -114,7 +115,21 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         share = min(max((math.radians(115.0) - turn_angle) / math.radians(60.0), 0.0), 1.0)
         share = max(share, min(_shuffle(person) / speed, 1.0))
         wx, wz = wx * share, wz * share
+    elif speed > 1e-6:
+        if faces_away(person, (wx, wz)) and not person.startled:
+            # It feels its way, for it does not see where it steps.
+            share = min(BACKWARD_FROUDE * math.sqrt(GRAVITY * leg_length(person)) / speed, 1.0)
+            wx, wz = wx * share, wz * share
     return wx, wz
+
+
+@compiled
+def faces_away(person: Record, velocity: tuple[float, float]) -> bool:
+    """Tell whether a person with a velocity steps back before what it keeps facing."""
+    if not person.has_facing or math.hypot(velocity[0], velocity[1]) < 1e-6:
+        return False
+    way: float = math.atan2(-velocity[1], velocity[0])
+    return abs(wrap_angle(way - person.facing)) > MOST_FACED_AWAY
 
 
 @inlined

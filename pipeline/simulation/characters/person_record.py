@@ -188,8 +188,10 @@ PERSON = np.dtype(
         ("kick_place", "f8", 3),
         ("kick_velocity", "f8", 3),
         ("kick_pitch", "f8"),
-        # Owner for whom it does not step aside, or NOBODY; heading to stand in [rad].
+        # Owner for whom it does not step aside, or NOBODY; heading to stand in [rad]; whether it
+        # starts back from pain.
         ("partner", "i8"),
+        ("startled", "?"),
         ("has_facing", "?"),
         ("facing", "f8"),
         ("has_look_target", "?"),

@@ -238,6 +238,7 @@ class TaskDispatcher:
         controller.stop()
         person = controller.record
         person.posture, person.has_facing, person.stoop_depth = STANDING, False, 0.0
+        person.startled = False
         controller.part_hands()
         for hand in range(2):
             if not controller.is_holding(hand):

@@ -22,7 +22,9 @@ from pipeline.simulation.characters.mind.perception import (
     freshness,
     next_anxiety,
 )
+from pipeline.simulation.characters.person_record import HAND, PELVIS, SHOULDERS
 from pipeline.simulation.simulate import simulate
+from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 from pipeline.spec.behaviour import FORMS, NAMES, Urge
 from pipeline.spec.scene_library import library
@@ -233,6 +235,46 @@ def test_a_running_hug_hurts_only_in_slapstick() -> None:
         assert fastest > 2.0
         assert ("withdrawal" in did) == slapstick
         assert hugged or slapstick
+
+
+def test_a_step_back_is_slow_with_the_eyes_on_what_is_faced() -> None:
+    made = simulation("- {name: one, character: adult}", 3)
+    controller = troupe(made).dispatcher.controllers[0]
+    record, fastest = controller.record, 0.0
+    controller.go(-2.0, 0.0)
+    record.has_facing, record.facing = True, 0.0
+    controller.look_at(np.array([2.0, 1.5, 0.0]))
+    for _ in steps(made):
+        fastest = max(fastest, float(np.hypot(*record.velocity)))
+        assert abs(float(record.heading)) < 0.1
+        assert abs(float(record.gaze[0])) < 0.2
+    assert record.at[0] < -0.5
+    assert fastest < 0.45
+
+
+def test_hands_that_hug_a_small_child_lie_on_its_back() -> None:
+    cast = """
+- {name: mum, character: adult, at: [0, 0], heading_deg: 120, traits: {},
+   behaviours: [{comfort: kid}]}
+- {name: kid, character: child, scale: 0.9, at: [4, 0], heading_deg: 180,
+   traits: {anxiety: 1, speed: 0.5}, behaviours: [{attachment: mum, urge: 1}]}
+"""
+    held, heights = 0, list[Array]()
+    for characters in steps(simulation(cast, 8)):
+        view, minds = characters.dispatcher.view, characters.minds
+        assert minds is not None
+        kid = next(mind for mind in minds.minds if mind.controller.name == "kid")
+        kid.anxiety = 0.5
+        held = held + 1 if kid.is_hugging else 0
+        # The first second is that in which arms close.
+        if held > 96:
+            hands = view.nodes(view.owner("mum"))[[HAND, HAND + 1]]
+            child = view.nodes(view.owner("kid"))
+            low, high = child[PELVIS, 1], child[SHOULDERS, 1]
+            heights.append((hands[:, 1] - low) / (high - low))
+    # Between waist and neck.
+    assert len(heights) > 96
+    assert 0.2 < np.min(heights) < np.max(heights) < 1.0
 
 
 SEEDS = [pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, 11)]

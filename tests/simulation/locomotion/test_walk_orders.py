@@ -177,6 +177,7 @@ def test_every_foot_follows_at_a_restart(figure: str) -> None:
     ("figure", "times"),
     [
         ("spider", (1.6,)),
+        ("person", (1.6,)),
         pytest.param("spider", np.arange(1.1, 3.7, 0.1), marks=pytest.mark.nightly),
         pytest.param("horse", np.arange(1.1, 3.7, 0.1), marks=pytest.mark.nightly),
         pytest.param("person", np.arange(1.1, 3.7, 0.1), marks=pytest.mark.nightly),

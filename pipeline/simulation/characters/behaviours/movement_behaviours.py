@@ -194,6 +194,7 @@ class Withdraw(ConfiguredBehaviour[Urge]):
             pace=WITHDRAWAL_FROUDE * mind.froude_speed,
             facing=math.atan2(-offset[1], offset[0]),
             target=striker,
+            startled=True,
         )
 
 

@@ -120,6 +120,8 @@ class ComfortChild(ConfiguredBehaviour[Comfort]):
 
     def _is_let_go(self, mind: Mind) -> bool:
         """Tell whether the child opens its arms again, as can be felt, or is gone."""
+        if self.embrace is not None and not self.embrace.closes:
+            return not mind.opens_arms(self.target)
         gap = mind.hands_gap(self.target)
         self.joined = min(self.joined, gap)
         return gap > self.joined + HANDS_PARTED or not mind.opens_arms(self.target)
@@ -137,8 +139,10 @@ class ComfortChild(ConfiguredBehaviour[Comfort]):
         if embrace is not None and embrace.opens:
             if embrace.time > HUG.closing_time + OPEN_TIME:
                 self.end(mind)
-        if self.embrace is None and self._arrives(mind) and mind.gap(self.target) < EMBRACE_GAP:
+        if self.embrace is None and self._arrives(mind):
             self.embrace = ReturnHug(self.target, self.size)
+        if self.embrace is not None and mind.gap(self.target) < EMBRACE_GAP:
+            self.embrace.closes = True
         if self.embrace is not None:
             return MotorCommand(task=self.embrace, target=self.target, touching=True)
         if mind.gap(self.target) < HUG_GAP:

@@ -296,6 +296,7 @@ class MindScheduler:
         command, controller, dispatcher = mind.command, mind.controller, self._dispatcher
         person = controller.record
         person.frozen = person.fearful = command.frozen
+        person.startled = command.startled
         person.pace = max(command.pace, MIN_PACE)
         if command.sits:
             if not isinstance(dispatcher.task(k), SitDown):

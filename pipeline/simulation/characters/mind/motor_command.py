@@ -21,6 +21,7 @@ class MotorCommand(NamedTuple):
         task: done in place of all this, such as a hug.
         sits: whether to sit down.
         frozen: whether to keep quite still.
+        startled: whether it starts back from pain.
     """
 
     goal: tuple[float, float] | None = None
@@ -32,3 +33,4 @@ class MotorCommand(NamedTuple):
     task: Task | None = None
     sits: bool = False
     frozen: bool = False
+    startled: bool = False

@@ -29,6 +29,33 @@ MOST_STEPS = 600
 SLOPES = 12
 """Places ahead at which slopes change the speed."""
 
+LEAST_PART = 0.05
+"""Least part of a stride in a cycle: legs that are stretched already step once."""
+
+
+@dataclass(frozen=True, eq=False)
+class StandingReach:
+    """How far a creature that sets out goes before feet lift that were placed for a slower body.
+
+    Attributes:
+        lifts: (n,) phases at which the feet lift.
+        distances: (n,) gone since the start at which they are stretched [m].
+        end: phase from which on nothing holds the creature back.
+    """
+
+    lifts: Array
+    distances: Array
+    end: float
+
+    def stride_part(self, phase: float, distance: float, stride: float) -> float:
+        """Return the part of a stride in a cycle with which a foot is stretched when it lifts."""
+        left = self.lifts - phase
+        held = left > 0.0
+        if phase >= self.end or not held.any():
+            return math.inf
+        room = np.maximum(self.distances - distance, 0.0)[held]
+        return max(float((room / np.maximum(left[held] * stride, 1e-9)).min()), LEAST_PART)
+
 
 @dataclass(frozen=True, eq=False)
 class SpeedForecast:
@@ -58,8 +85,16 @@ class SpeedForecast:
         return result
 
 
-def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
-    """Return the forecast of creature `c` if it gets no orders."""
+def speed_forecast(
+    progress: RouteProgress, c: int, standing: StandingReach | None = None
+) -> SpeedForecast:
+    """Return the forecast of creature `c` if it gets no orders.
+
+    Args:
+        progress: of the herd.
+        c: number of the creature.
+        standing: how far its standing feet let it go; None if it does not set out.
+    """
     limits, route = progress.limits, progress.trajectory.routes[c]
     distance, phase, fraction = (float(values[c]) for values in progress.sample)
     grid = phase + HORIZON * np.linspace(0.0, 1.0, 33)
@@ -80,6 +115,9 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
         if curve is not None:
             part, most = curve.at(distance)
             wanted = min(wanted, most)
+        if standing is not None:
+            held = standing.stride_part(phase, distance, float(progress.stride[c]))
+            part, wanted = min(part, held), min(wanted, held)
         left = route.distance_to_rest(distance)
         if left < math.inf:
             wanted = min(wanted, max(math.sqrt(max(left, 0.0) / braking), MIN_SPEED_FRACTION))

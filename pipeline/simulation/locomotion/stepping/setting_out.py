@@ -8,17 +8,16 @@ lifts.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.foot_placement.step_batch import neutral_positions
 from pipeline.simulation.locomotion.routes.route_progress import START_RAMP_CYCLES
+from pipeline.simulation.locomotion.routes.speed_forecast import StandingReach
 from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
 from pipeline.simulation.spatial import Array
 
 # World steps before the first lift-off at which a creature sets out again.
 RESTART_LEAD = 2.0
-
-# Least part of a stride in a cycle: legs that are stretched already step once.
-LEAST_PART = 0.05
 
 # Part of a stride over which the way of neutral places is taken to be straight.
 STRAIGHT_PART = 0.01
@@ -46,18 +45,36 @@ def greatest_strides(sequencer: StepSequencer) -> Array | None:
     for c in np.flatnonzero(~over).tolist():
         if result is None:
             result = np.full(len(over), np.inf)
-        result[c] = _greatest_stride(sequencer, c)
+        reach = _standing_reach(sequencer, c)
+        phase, distance = float(progress.phase[c]), float(progress.distance[c])
+        result[c] = reach.stride_part(phase, distance, float(progress.stride[c]))
     progress.resume_phase = np.where(over, -np.inf, progress.resume_phase)
     return result
 
 
-def _greatest_stride(sequencer: StepSequencer, c: int) -> float:
-    """Return the part of a stride with which a foot is stretched by the time it lifts."""
+def standing_reach(sequencer: StepSequencer, c: int) -> StandingReach | None:
+    """Return how far a creature that sets out goes before its feet lift; None if it does not.
+
+    Feet that lift in this step hold nothing back.
+    """
+    progress, feet = sequencer.progress, sequencer.feet
+    if progress.phase[c] >= progress.resume_phase[c] + START_RAMP_CYCLES:
+        return None
+    lifts_now = ~feet.swinging & (feet.next_lift <= progress.phase[c])
+    return _standing_reach(sequencer, c, lifts_now)
+
+
+def _standing_reach(
+    sequencer: StepSequencer, c: int, without: NDArray[np.bool_] | None = None
+) -> StandingReach:
+    """Return how far a creature goes before its feet lift, but for some legs (L,)."""
     herd, progress, feet = sequencer.herd, sequencer.progress, sequencer.feet
+    end = float(progress.resume_phase[c]) + START_RAMP_CYCLES
     trajectory, legs = progress.trajectory, np.flatnonzero(herd.owner == c)
     legs = legs[feet.held_up[1, legs] == 0.0]
+    legs = legs if without is None else legs[~without[legs]]
     if not len(legs):
-        return np.inf
+        return StandingReach(np.zeros(0), np.zeros(0), end)
     stride, phase = float(progress.stride[c]), float(progress.phase[c])
     pace, step = progress.paces.last(c), STRAIGHT_PART * stride
     distance = float(progress.distance[c]) + np.repeat([0.0, step], len(legs))
@@ -70,8 +87,8 @@ def _greatest_stride(sequencer: StepSequencer, c: int) -> float:
     a, b = np.maximum((way**2).sum(axis=1), 1e-12), (behind * way).sum(axis=1)
     inside = b * b - a * ((behind**2).sum(axis=1) - reach * reach)
     room = np.maximum((np.sqrt(np.maximum(inside, 0.0)) - b) / a, 0.0)
-    left = np.maximum(_next_lift(sequencer, c, phase)[legs - herd.first_leg[c]] - phase, 0.0)
-    return max(float((room / np.maximum(left * stride, 1e-9)).min()), LEAST_PART)
+    lifts = _next_lift(sequencer, c, phase)[legs - herd.first_leg[c]]
+    return StandingReach(lifts, float(progress.distance[c]) + room, end)
 
 
 def _next_lift(sequencer: StepSequencer, c: int, phase: float) -> Array:

@@ -16,6 +16,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
 )
 from pipeline.simulation.locomotion.routes.speed_control import predicted
 from pipeline.simulation.locomotion.routes.speed_forecast import speed_forecast
+from pipeline.simulation.locomotion.stepping.setting_out import standing_reach
 from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
 
 # Strides in which a foot has done its step and stood.
@@ -121,7 +122,8 @@ def with_forecast(sequencer: StepSequencer, request: StepRequest) -> StepRequest
     now = progress.steps, progress.trajectory.routes[c]
     known = sequencer.forecasts.get(c)
     if known is None or known[0] != now:
-        known = sequencer.forecasts[c] = now, speed_forecast(progress, c)
+        forecast = speed_forecast(progress, c, standing_reach(sequencer, c))
+        known = sequencer.forecasts[c] = now, forecast
     forecast = known[1]
     distance = float(forecast.distance(np.array(request.phase)))
     return replace(request, distance=distance, forecast=forecast)

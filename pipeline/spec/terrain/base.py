@@ -124,7 +124,7 @@ class TerrainConfig(ConfigModel):
     scatter: ScatterValue = Field(
         Scatter(preset="auto"),
         description="Plants and stones: the name of a preset, a list of species, or `{preset, "
-        "density, species}`. `auto` is what suits the ground; `none` leaves it bare.",
+        "density, size, species}`. `auto` is what suits the ground; `none` leaves it bare.",
     )
 
     @classmethod

@@ -68,7 +68,7 @@ JOINED, CUT_EDGE = 0.030, 0.004
 """Distances over which trunk and sleeves round into each other, and the end of a sleeve, in girths.
 """
 
-SHOULDER, LOOSE = (-0.014, 0.048), 0.026
+SHOULDER, LOOSE = (-0.014, 0.048), 0.045
 """Between which places along the arm cloth goes from the chest to it, and the distance from the
 trunk from which it follows the arm alone, in girths."""
 

@@ -342,3 +342,36 @@ def test_a_limb_bent_by_140_degrees_keeps_its_girth(
     closed = layers[number].mesh.faces.astype(int)
     volumes = [trimesh.Trimesh(places, closed, process=False).volume for places in (before, after)]
     assert volumes[1] == pytest.approx(volumes[0], rel=0.1)
+
+
+def lifted(degrees: float) -> Array:
+    """Return the joints of an adult whose straight arms are lifted aside."""
+    rest = ADULT.rest()
+    raised = rest.copy()
+    for side, way in (("r", -1.0), ("l", 1.0)):
+        turn = rotation(np.array([1.0, 0.0, 0.0]), way * np.radians(degrees))
+        shoulder = rest[JOINTS.index(f"shoulder_{side}")]
+        for name in ("elbow", "hand"):
+            k = JOINTS.index(f"{name}_{side}")
+            raised[k] = shoulder + turn @ (rest[k] - shoulder)
+    return raised
+
+
+@pytest.mark.parametrize(("degrees", "most"), [(0.0, 2.0), (120.0, 2.8), (150.0, 3.8)])
+@pytest.mark.parametrize("short", [True, False])
+def test_a_shirt_keeps_its_shape_where_arms_are_lifted(
+    degrees: float, most: float, short: bool
+) -> None:
+    """Of the shape with arms half lifted; no cloth beside the shoulder is torn or crushed."""
+    layers = person_layers(ADULT, Clothes(short_sleeves=short))
+    number = next(k for k, one in enumerate(layers) if one.name == "shirt")
+    half, posed = (
+        posed_vertices(ADULT, layers, lifted(angle))[number] for angle in (60.0, degrees)
+    )
+    faces = layers[number].mesh.faces.astype(int)
+    volumes = [trimesh.Trimesh(places, faces, process=False).volume for places in (half, posed)]
+    assert volumes[1] == pytest.approx(volumes[0], rel=0.05)
+    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    long = [np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=-1) for p in (half, posed)]
+    assert np.quantile(long[1] / long[0], 0.999) < most
+    assert np.quantile(long[1] / long[0], 0.001) > 0.2

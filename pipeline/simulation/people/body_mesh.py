@@ -182,7 +182,7 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
     return replace(_skinned_trousers(build, places, surface), shade=shade)
 
 
-COVERED, COVERED_DEPTH = (0.365, 0.410), 0.009
+COVERED, COVERED_DEPTH = (0.365, 0.415), 0.016
 """Heights between which thighs become thinner below a coat, and by how much, in girths."""
 
 

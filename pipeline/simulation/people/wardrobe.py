@@ -27,7 +27,7 @@ LIGHT_IRISES = ("blue iris", "brown iris", "green iris")
 # fmt: off
 SHIRTS = (
     "red cloth", "teal cloth", "white cloth", "yellow cloth", "blue cloth", "pink cloth",
-    "green cloth", "orange cloth", "plum cloth", "beige cloth",
+    "green cloth", "orange cloth", "plum cloth", "navy cloth",
 )
 # fmt: on
 

@@ -72,6 +72,10 @@ SHOULDER, LOOSE = (-0.014, 0.048), 0.045
 """Between which places along the arm cloth goes from the chest to it, and the distance from the
 trunk from which it follows the arm alone, in girths."""
 
+DRAWN, BESIDE = 0.022, (0.105, 0.045)
+"""Depth of the trunk from which cloth is drawn along by an arm, and the distances from the shoulder
+between which that comes about, in girths: less would fold it into itself before the chest."""
+
 SLEEVE_THICKNESS = 0.0036
 """Of a sleeve with the air in it, in girths."""
 
@@ -104,7 +108,8 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     spread = side * net.vertices
     straight = _swung(spread, joint, -SPREAD)
     along = (joint[1] - straight[:, 1]) / g
-    pull = ramp(along, *SHOULDER) * ramp(trunk(spread) / g, 0.0, LOOSE)
+    near = ramp(np.linalg.norm(spread - joint, axis=-1) / g, *BESIDE)
+    pull = ramp(along, *SHOULDER) * ramp(trunk(spread) / g, -DRAWN * near, LOOSE)
     # Dual quaternions turn cloth that follows two frames by this angle.
     half = 0.5 * SPREAD
     turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))

@@ -37,6 +37,9 @@ ROUGHEST, LEAST_COAT = 0.4, 0.4
 RADII = 0.0009, 0.0042
 """Of beads [m]: many small, few large."""
 
+MOST_LARGER = 4.0
+"""Greatest factor on their radii: larger drops would run off."""
+
 SMALL = 2.8
 """Power of the chance by which there are more small beads than large ones."""
 
@@ -129,6 +132,7 @@ class Beads:
         finest: NDArray[np.float64],
         rain: float,
         seed: int,
+        size: float = 1.0,
     ) -> Beads | None:
         """Return the beads that rain leaves on the performers of a take, None without any.
 
@@ -138,9 +142,11 @@ class Beads:
             finest: (P,) least size of a pixel on each visible part [m].
             rain: amount, 0 to 1.
             seed: of the scene.
+            size: factor on their size, where the world is seen as an insect sees it.
         """
         parts, counts = visible_parts(take), {}
-        mean = RADII[0] + (RADII[1] - RADII[0]) / (SMALL + 1.0)
+        larger = float(np.clip(size, 1.0, MOST_LARGER))
+        mean = larger * (RADII[0] + (RADII[1] - RADII[0]) / (SMALL + 1.0))
         share = SHARE * min(rain / 0.5, 1.0)
         for i, part in enumerate(parts):
             mesh = take.meshes[part.seen]
@@ -151,7 +157,7 @@ class Beads:
             return None
         fewer = min(MOST / max(sum(counts.values()), 1.0), 1.0)
         films = {
-            i: _film(take, parts[i], materials, max(int(count * fewer), 1), (seed, i))
+            i: _film(take, parts[i], materials, max(int(count * fewer), 1), larger, (seed, i))
             for i, count in counts.items()
         }
         return Beads(take, films)
@@ -174,9 +180,14 @@ def holds_beads(mesh: TakeMesh, material: Material, rain: float) -> bool:
 
 
 def _film(
-    take: Take, part: Part, materials: Mapping[str, Material], count: int, seed: tuple[int, ...]
+    take: Take,
+    part: Part,
+    materials: Mapping[str, Material],
+    count: int,
+    larger: float,
+    seed: tuple[int, ...],
 ) -> Film:
-    """Return so many beads on a part."""
+    """Return so many beads on a part, larger than usual by a factor."""
     mesh = take.meshes[part.seen]
     draw = np.random.default_rng((4400, *seed))
     area = _areas(mesh)
@@ -187,7 +198,7 @@ def _film(
     u, v = np.sqrt(draw.random(count)), draw.random(count)
     shares = np.stack([1.0 - u, u * (1.0 - v), u * v], axis=-1)
     corners = mesh.faces[face].astype(np.int64)
-    radius = RADII[0] + (RADII[1] - RADII[0]) * draw.random(count) ** SMALL
+    radius = larger * (RADII[0] + (RADII[1] - RADII[0]) * draw.random(count) ** SMALL)
     base = skin_colors(mesh, materials[part.material], corners, shares)
     low = -_outward(_face_normals(mesh)[face])[..., 1]
     side = np.concatenate([np.zeros((count, 1)), 0.6 * low, low], axis=1)

@@ -302,7 +302,8 @@ class ShotBuilder:
         if not len(self.tracks.grain):
             return None
         rain, seed = self._scene.light.weather.wetness, self._scene.seed
-        beads = Beads.of(self.take, self.materials, self.tracks.grain, rain, seed)
+        size = self._scene.terrain.scatter.size
+        beads = Beads.of(self.take, self.materials, self.tracks.grain, rain, seed, size)
         if beads is not None:
             self.materials = {**self.materials, **BEAD_MATERIALS}
         return beads

@@ -63,6 +63,19 @@ def test_no_beads_where_they_are_too_small_to_be_seen_or_no_rain_falls(take: Tak
     assert beads(take, 0.0005, rain=0.0) is None
 
 
+def test_beads_are_larger_in_a_world_at_an_insects_size(take: Take) -> None:
+    finest = np.full(len(visible_parts(take)), 0.0002)
+    usual, large = (Beads.of(take, WET, finest, 0.6, 3, size) for size in (1.0, 3.0))
+    assert usual is not None
+    assert large is not None
+    assert usual.films.keys() == large.films.keys()
+    mean, larger = (
+        np.concatenate([film.radius for film in made.films.values()]).mean()
+        for made in (usual, large)
+    )
+    assert larger == pytest.approx(3.0 * mean, rel=0.1)
+
+
 def test_hair_skin_eyes_and_glass_hold_no_beads(take: Take) -> None:
     mesh = take.meshes[visible_parts(take)[0].seen]
     assert holds_beads(mesh, WET["green chitin"], 0.6)

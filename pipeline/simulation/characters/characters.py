@@ -63,6 +63,9 @@ SUB_STEP_RATE = 240.0
 LED_HAND_FLATNESS = 0.7
 """How far a hand is stretched that reaches for a place, or lies there."""
 
+EMBRACE_GRIP = 0.5
+"""How far a hand closes that lies around somebody."""
+
 
 class Characters(Troupe):
     """All characters of a scene."""
@@ -299,9 +302,9 @@ class Characters(Troupe):
         found.told[:count] = self.dispatcher.expressions
         found.eyes[:count] = eye_aims(persons)
         found.stun[:count] = persons["stun"]
-        found.grips[:count] = self.dispatcher.gripping()
-        is_led = np.isin(persons["arm_mode"], (REACHING, PLACED))
-        found.flat[:count] = np.maximum(persons["embrace_blend"], LED_HAND_FLATNESS * is_led)
+        held = EMBRACE_GRIP * persons["embrace_blend"]
+        found.grips[:count] = np.maximum(self.dispatcher.gripping(), held)
+        found.flat[:count] = LED_HAND_FLATNESS * np.isin(persons["arm_mode"], (REACHING, PLACED))
         return found
 
     def write(self, rows: Rows) -> None:

@@ -82,7 +82,7 @@ def _dunes(terrain: HillsTerrain, rng: np.random.Generator) -> Array:
     The phase of waves along the wind is found by their analytic signal. Each wave gets a crest
     at phase 0, a steep slope ahead of it, and a gentle one behind.
     """
-    n_x, n_z = _domain(terrain)
+    n_x, _ = _domain(terrain)
     k, spectrum = _noise(terrain, rng)
     k_x = np.fft.rfftfreq(n_x, terrain.size[0] / terrain.cells[0])
     # Crests lie across the wind more or less.

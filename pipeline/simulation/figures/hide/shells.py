@@ -139,7 +139,7 @@ def _beetle(plan: ShellPlan) -> Iterator[Lump]:
         t = 0.34 + 0.13 * k
         size = float(plan.case_width(np.array([t]))[0])
         at = np.array([plan.waist - t * length, low, 0.0])
-        yield _plate(at, (0.13 * length, 0.35 * size, 0.90 * size), 0.04)
+        yield _plate(at, (0.13 * length, 0.34 * size, 0.90 * size), 0.04)
 
 
 def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:

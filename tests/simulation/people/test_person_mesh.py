@@ -32,7 +32,7 @@ from pipeline.simulation.people.proportions import (
     BodyMeasures,
     Proportions,
 )
-from pipeline.simulation.people.shirt_mesh import shirt_field
+from pipeline.simulation.people.shirt_mesh import shirt, shirt_field
 from pipeline.simulation.people.skinned_surface import symmetric_field
 from pipeline.simulation.people.wardrobe import (
     OUTFITS,
@@ -212,6 +212,19 @@ def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
         covered = trousers[trousers[:, 1] > hem + 0.02 * proportions.height]
         assert len(covered) > 50
         assert (_winding(shirt, covered) > 0.5).all()
+
+
+@pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
+def test_shoulders_slope_down_from_the_neck(proportions: Proportions) -> None:
+    build = BodyMeasures(proportions, 1.0)
+    places = shirt(build, short_sleeves=False).vertices
+    g, height = build.girth, proportions.height
+    tops = []
+    for aside in (0.05 * g, build.shoulders - 0.02 * g, build.shoulders + 0.012 * g):
+        near = np.abs(places[:, 2] - aside) < 0.006 * g
+        tops.append(float(places[near, 1].max()))
+    # The sleeve falls away outside of the joint as well.
+    assert (-np.diff(tops) > 0.008 * height).all()
 
 
 def test_equal_clothes_share_meshes() -> None:

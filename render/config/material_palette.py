@@ -72,7 +72,7 @@ CREATURES: dict[str, Row] = {
     "horn":           _row("#332b24", "#4c4033", 0.6,  ("wood", 0.25, 1.0), clearcoat=0.05),
     "leather":        _row("#4a2f1f", "#5c3d29", 0.5,  ("pores", 0.25, 1.5), clearcoat=0.1),
     "eye":            _row("#08080a", None,      0.08, None, clearcoat=1.0),
-    "eye white":      _row("#a2968d", None,      0.6,  None),
+    "eye white":      _row("#a2968d", None,      0.5,  None, clearcoat=1.0),
     "brown iris":     _row("#352011", None,      0.12, None, clearcoat=1.0),
     "blue iris":      _row("#4d6f8a", None,      0.12, None, clearcoat=1.0),
     "green iris":     _row("#4f6a42", None,      0.12, None, clearcoat=1.0),

@@ -17,7 +17,13 @@ def _dull(color: str, roughness: float = 0.8, texture: str = "mottle") -> Materi
     return Material.model_validate({**values, "texture_scale": 0.8})
 
 
-PANE = Material.model_validate({"color": "#1d282d", "roughness": 0.08})
+def _behind_glass(color: str) -> Material:
+    """Return cloth that hangs behind a pane: dim, under the pane's reflections."""
+    return Material.model_validate({"color": color, "roughness": 0.9, "clearcoat": 1.0})
+
+
+# Both faces of the glass reflect.
+PANE = Material.model_validate({"color": "#1a2428", "roughness": 0.06, "clearcoat": 1.0})
 LANTERN_GLASS = Material.model_validate({"color": "#cdbf9a", "roughness": 0.3})
 
 MATERIALS_OF_HOUSES: Mapping[str, Material] = {
@@ -46,9 +52,9 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "pane": PANE,
     # By day one does not see that somebody is at home.
     "lit pane": PANE,
-    "curtain": Material.model_validate({"color": "#cfc8b6", "roughness": 0.9}),
-    "blind": _dull("#b9a27a", 0.85, "weave"),
-    "net": Material.model_validate({"color": "#a8a79f", "roughness": 0.95}),
+    "curtain": _behind_glass("#8a8070"),
+    "blind": _behind_glass("#75664c"),
+    "net": _behind_glass("#6f706c"),
     "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.production.scenery.prototype import (
+    HEART,
     UP,
     Color,
     Prototype,
@@ -74,6 +75,7 @@ FLOWERS: dict[str, Flower] = {
 def flower(kind: str, seed: int, level: int) -> Prototype:
     """Return a group of flowers at a level of detail."""
     config, rng, shape = FLOWERS[kind], np.random.default_rng([seed, 29]), Shape()
+    bends, level = _close(level)
     n = config.stems if level < 2 else max(config.stems // 2, 1)
     angle, out = rng.uniform(0, 2 * np.pi, n), np.sqrt(rng.uniform(size=n))
     out = config.spread * out
@@ -103,6 +105,7 @@ def flower(kind: str, seed: int, level: int) -> Prototype:
         wide * size,
         np.asarray(config.color) * light,
         normals=unit(face + 0.5 * way),
+        triangles=bends,
     )
     if level < 2:
         # The heart: four small leaves that make a button.
@@ -114,35 +117,48 @@ def flower(kind: str, seed: int, level: int) -> Prototype:
         add_leaves(
             *(shape, above, ray.reshape(-1, 3), np.repeat(lean, 4, axis=0), size, 1.2 * size, heart)
         )
-    _add_foot(shape, rng, 0.35 * config.height, 7 if level == 0 else 3)
+    _add_foot(shape, rng, 0.35 * config.height, 7 if level == 0 else 3, bends)
     if config.rosette:
-        _add_rosette(shape, rng, config.rosette if level == 0 else config.rosette // 2)
+        _add_rosette(shape, rng, config.rosette if level == 0 else config.rosette // 2, bends)
     return shape.prototype()
 
 
-def _add_foot(shape: Shape, rng: np.random.Generator, length: float, count: int) -> None:
+def _close(level: int) -> tuple[int, int]:
+    """Return the triangles of a leaf, and the level of all else, of a herb that may be close.
+
+    The first level, for large plants near the camera, is the second with leaves that bend.
+    """
+    return (4 if level == 0 else 2), max(level - 1, 0)
+
+
+def _add_foot(
+    shape: Shape, rng: np.random.Generator, length: float, count: int, triangles: int = 2
+) -> None:
     """Add leaves around the foot of a herb."""
     angle = rng.uniform(0, 2 * np.pi, count)
     way = np.stack([np.cos(angle), rng.uniform(0.4, 1.3, count), np.sin(angle)], axis=-1)
     base = 0.05 * rng.normal(size=(count, 3)) * [1, 0, 1]
     size = length * rng.uniform(0.5, 1.0, count)
     color = np.array([0.065, 0.11, 0.025]) * rng.uniform(0.7, 1.2, (count, 1))
-    add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.3 * size, color)
+    up = np.tile(UP, (count, 1))
+    add_leaves(shape, base, way, up, size, 0.3 * size, color, triangles=triangles)
 
 
-def _add_rosette(shape: Shape, rng: np.random.Generator, count: int) -> None:
+def _add_rosette(shape: Shape, rng: np.random.Generator, count: int, triangles: int) -> None:
     """Add long leaves that lie around the foot of a herb."""
     angle = 2.39996 * np.arange(count) + rng.uniform(-0.3, 0.3, count)
     way = np.stack([np.cos(angle), rng.uniform(0.08, 0.4, count), np.sin(angle)], axis=-1)
     base = 0.012 * unit(way) + 0.012 * UP
     size = rng.uniform(0.07, 0.14, count)
     color = np.array([0.130, 0.195, 0.050]) * rng.uniform(0.75, 1.25, (count, 1))
-    add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.27 * size, color, fold=0.25)
+    up = np.tile(UP, (count, 1))
+    add_leaves(shape, base, way, up, size, 0.27 * size, color, fold=0.25, triangles=triangles)
 
 
 def clover(seed: int, level: int) -> Prototype:
     """Return a low patch of clover: leaves of three leaflets on stalks, and some round heads."""
     rng, shape = np.random.default_rng([seed, 67]), Shape()
+    is_close, level = level == 0, max(level - 1, 0)
     n, heads, rays = ((44, 5, 14), (20, 4, 6), (8, 2, 3))[level]
     wide = (1.0, 1.35, 2.0)[level]
     angle, out = rng.uniform(0, 2 * np.pi, n + heads), np.sqrt(rng.uniform(size=n + heads))
@@ -161,7 +177,7 @@ def clover(seed: int, level: int) -> Prototype:
     add_leaves(
         *(shape, np.repeat(tips[:n], 3, axis=0), way.reshape(-1, 3), face),
         *(size, 0.92 * size, np.repeat(color, 3, axis=0)),
-        triangles=2 if level == 0 else 1,
+        triangles=HEART if is_close else 2 if level == 0 else 1,
     )
     ray = unit(rng.normal(size=(heads * rays, 3)) + 0.6 * UP)
     size = np.full(len(ray), 0.011 * (1.0 if level == 0 else 1.2))
@@ -272,15 +288,20 @@ def maize(seed: int, level: int) -> Prototype:
     return shape.prototype()
 
 
+FLY_AGARIC = 2
+"""Number of the red one among the colours of mushrooms."""
+
+
 def mushroom(seed: int, level: int) -> Prototype:
     """Return two or three mushrooms with round caps."""
     rng, shape = np.random.default_rng([seed, 47]), Shape()
-    sides, rings = ((12, 5), (8, 4), (5, 3))[level]
+    sides, rings = ((24, 10), (12, 5), (8, 4), (5, 3))[level]
+    spotted = np.random.default_rng([seed, 48])
     cap_color = np.array([[0.26, 0.125, 0.05], [0.42, 0.30, 0.17], [0.48, 0.045, 0.020]])[seed % 3]
     for _ in range(rng.integers(2, 5)):
         size = 0.035 * rng.uniform(0.6, 1.3)
         at = rng.normal(0, 0.05, 3) * [1, 0, 1]
-        height = size * rng.uniform(1.2, 1.9)
+        height = size * rng.uniform(1.7, 2.6)
         pale = np.array([[0.55, 0.50, 0.40]])
         top = at + height * UP
         add_tubes(
@@ -296,6 +317,10 @@ def mushroom(seed: int, level: int) -> Prototype:
         cap = top + 0.5 * size * UP - drop[:, None, None] * UP + radius[:, None, None] * ray
         normals = ray * t[:, None, None] + UP * (1.15 - t)[:, None, None]
         shade = cap_color * (1.1 - 0.35 * t)[:, None, None] * np.ones((1, sides, 1))
+        if seed % 3 == FLY_AGARIC and level < 2:
+            # Warts, the rests of the skin from which the cap grew.
+            wart = spotted.uniform(size=(rings, sides)) < 0.22
+            shade[wart[:, :, None].repeat(3, axis=2)] = 0.62
         # The gills: the rim drawn in to the stem.
         gills = cap[-1:] * 0.25 + (top + 0.05 * size * UP) * 0.75
         rim = np.concatenate([cap, cap[-1:], gills])
@@ -312,6 +337,7 @@ def mushroom(seed: int, level: int) -> Prototype:
 def fallen_leaves(seed: int, level: int) -> Prototype:
     """Return leaves of autumn that lie within 0.6 m."""
     rng, shape = np.random.default_rng([seed, 53]), Shape()
+    bends, level = _close(level)
     n = (22, 13, 6)[level]
     base = rng.normal(0, 0.17, (n, 3)) * [1, 0, 1] + [0, 0.008, 0]
     way = rng.normal(size=(n, 3)) * [1, 0.22, 1]
@@ -321,7 +347,7 @@ def fallen_leaves(seed: int, level: int) -> Prototype:
     )
     color = palette[rng.integers(0, 4, n)] * rng.uniform(0.6, 1.2, (n, 1))
     size = 0.038 * rng.uniform(0.6, 1.25, n) * (1.0, 1.3, 1.9)[level]
-    add_leaves(shape, base, way, face, size, 0.6 * size, color, fold=0.22)
+    add_leaves(shape, base, way, face, size, 0.6 * size, color, fold=0.22, triangles=bends)
     return shape.prototype()
 
 

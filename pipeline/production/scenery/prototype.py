@@ -198,6 +198,52 @@ def add_blades(
     return np.asarray(middle[:, -1])
 
 
+EGG_LEAF = np.array(
+    [
+        (0.0, 0.0, -0.10), (0.34, -1.0, 0.07), (0.34, 1.0, 0.07),
+        (0.74, -0.62, 0.02), (0.74, 0.62, 0.02), (1.0, 0.0, -0.24),
+    ]
+)  # fmt: skip
+"""Corners of an egg-shaped leaf: along it in its length, aside in half its width, and up in its
+length."""
+
+HEART = 10
+"""Triangles of a heart-shaped leaf."""
+
+HEART_LEAF = np.array(
+    [
+        (0.0, 0.0, 0.0), (0.30, -0.62, 0.05), (0.32, 0.0, -0.05), (0.30, 0.62, 0.05),
+        (0.68, -1.0, 0.03), (0.64, 0.0, -0.06), (0.68, 1.0, 0.03),
+        (0.98, -0.56, -0.06), (0.90, 0.0, -0.08), (0.98, 0.56, -0.06),
+    ]
+)  # fmt: skip
+"""The same of a leaflet of clover, which is notched at its tip."""
+
+HEART_LIGHT = np.array([0.70, 0.95, 0.85, 0.95, 1.20, 1.75, 1.20, 0.85, 0.80, 0.85])
+"""Brightness of its corners: a pale chevron crosses it."""
+
+HEART_FACES = np.array(
+    [
+        [0, 2, 1], [0, 3, 2], [1, 2, 5], [1, 5, 4], [2, 3, 6],
+        [2, 6, 5], [4, 5, 8], [4, 8, 7], [5, 6, 9], [5, 9, 8],
+    ]
+)  # fmt: skip
+
+
+def _laid(
+    outline: Array, bases: Array, axes: Array, face: Array, half: Array, lengths: Array
+) -> Array:
+    """Return the corners (N, K, 3) of leaves of an outline (K, 3); see `add_leaves`."""
+    along, aside, up = (outline[:, k, None] for k in range(3))
+    long = lengths[:, None, None]
+    return np.asarray(
+        bases[:, None]
+        + along * long * axes[:, None]
+        + aside * half[:, None]
+        + up * long * face[:, None]
+    )
+
+
 def add_leaves(
     shape: Shape,
     bases: Array,
@@ -210,7 +256,7 @@ def add_leaves(
     fold: float = 0.18,
     triangles: int = 2,
 ) -> None:
-    """Add N leaves: egg-shaped and bent, of four triangles; folded, of two; or of one.
+    """Add N leaves: hearts of ten triangles, bent ones of four, folded ones of two, or of one.
 
     Args:
         shape: to which they are added.
@@ -222,22 +268,20 @@ def add_leaves(
         colors: (N, 3) linear.
         normals: (N, 3) to shade with; across the leaf by default.
         fold: depth of the fold relative to the width.
-        triangles: of each leaf, 4, 2 or 1.
+        triangles: of each leaf, 10, 4, 2 or 1.
     """
     axes = unit(axes)
     side = unit(np.cross(axes, faces_to) + 1e-6)
     face = np.cross(side, axes)
     half = 0.5 * widths[:, None] * side
     shade = face if normals is None else normals
-    if triangles == 4:
+    if triangles == HEART:
+        corners = _laid(HEART_LEAF, bases, axes, face, half, lengths)
+        tilts, light, numbers = 0.35 * HEART_LEAF[:, 1], HEART_LIGHT, HEART_FACES
+    elif triangles == 4:
         # Widest below the middle; the tip bends down.
-        shares = np.array([0.0, 0.34, 0.34, 0.74, 0.74, 1.0])
-        sides = np.array([0.0, -1.0, 1.0, -0.62, 0.62, 0.0])
-        lifts = np.array([0.0, 0.07, 0.07, 0.02, 0.02, -0.14]) - 0.10 * (sides == 0.0)
-        along = lengths[:, None, None] * axes[:, None]
-        corners = bases[:, None] + shares[:, None] * along + sides[:, None] * half[:, None]
-        corners = corners + lifts[:, None] * lengths[:, None, None] * face[:, None]
-        tilts, light = 0.3 * sides, 0.88 + 0.2 * shares
+        corners = _laid(EGG_LEAF, bases, axes, face, half, lengths)
+        tilts, light = 0.3 * EGG_LEAF[:, 1], 0.88 + 0.2 * EGG_LEAF[:, 0]
         numbers = np.array([[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5]])
     else:
         middle = bases + 0.45 * lengths[:, None] * axes + fold * widths[:, None] * face

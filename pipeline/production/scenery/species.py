@@ -14,6 +14,9 @@ from pipeline.production.scenery.prototype import Prototype
 Make = Callable[[int, int], Prototype]
 """From a seed and a level of detail, 0 the finest, to a shape."""
 
+CLOSE = 0.9
+"""Distance from the camera up to which leaves of herbs bend, in their size [m]."""
+
 Layer = Literal["cover", "solid", "tree"]
 
 
@@ -95,7 +98,7 @@ def _flower(kind: str, density: float, height: float, cover: float) -> Species:
     return Species(
         partial(herbs.flower, kind),
         *(2.2 * density, "cover", height),
-        levels=(3.5, 9.0),
+        levels=(CLOSE, 3.5, 9.0),
         near=7.0,
         reach=45.0,
         # Drifts of one kind: flowers seed themselves where they stand.
@@ -245,7 +248,7 @@ KINDS: dict[str, Species] = {
     "dandelion": _flower("dandelion", 3.0, 0.18, 0.3),
     "clover": Species(
         *(herbs.clover, 9.0, "cover", 0.12, 0.2),
-        levels=(2.5, 7.0),
+        levels=(CLOSE, 2.5, 7.0),
         near=5.0,
         reach=32.0,
         cover=0.28,
@@ -293,11 +296,11 @@ KINDS: dict[str, Species] = {
         sizes=(0.5, 1.3),
     ),
     "mushroom": Species(
-        *(herbs.mushroom, 0.7, "cover", 0.1, 0.1), levels=(2.5, 7.0), reach=24.0, cover=0.25
+        *(herbs.mushroom, 0.7, "cover", 0.1, 0.1), levels=(CLOSE, 2.5, 7.0), reach=24.0, cover=0.25
     ),
     "leaves": Species(
         *(herbs.fallen_leaves, 5.0, "cover", 0.05, 0.4),
-        levels=(4.0, 11.0),
+        levels=(CLOSE, 4.0, 11.0),
         reach=40.0,
         cover=0.5,
         upright=0.0,

@@ -16,7 +16,7 @@ from pipeline.simulation.people.signed_distance import Field
 from pipeline.simulation.people.skinned_surface import ramp
 from pipeline.simulation.spatial import Array
 
-FOLD_DARKNESS = 0.55
+FOLD_DARKNESS = 0.40
 """How dark the bottom of a fold is at most: soft light is traced too coarsely for it."""
 
 MIDDLE = 0.018

@@ -63,7 +63,7 @@ LEAST_MOVE = 4e-4
 """Least move of a vertex by a unit that is kept [heads]."""
 
 
-ADULT_HEAD = 0.05
+ADULT_HEAD = 0.12
 """By how much larger the head of an adult is drawn: broad shoulders in clothes dwarf it."""
 
 
@@ -326,7 +326,7 @@ def brows(head: Head) -> SkinnedPatch:
         found = cast_rays(field, normalized(aims - ORIGIN))
         aims = aims + (wanted - found) * [0.0, 1.0, 1.0]
     radii = BROW_RADII * (1.0 - 0.15 * face.child)
-    net = tube(found + np.array([0.003, 0.0, 0.0]), radii, 6)
+    net = tube(found - np.array([0.004, 0.0, 0.0]), radii, 6)
     patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
     pale = np.interp(net.vertices[:, 2], [z for z, _ in BROW_LINE], BROW_PALENESS)
     tint = np.stack([np.full(len(pale), float(BLUSH)), pale], axis=-1)

@@ -41,11 +41,12 @@ from pipeline.simulation.people.skinned_surface import (
 from pipeline.simulation.spatial import Array
 
 TORSO = (
-    (0.490, -0.003, 0.074, 0.083, 0.113),
-    (0.520, -0.003, 0.073, 0.081, 0.112),
-    (0.545, -0.003, 0.071, 0.077, 0.109),
-    (0.570, -0.002, 0.068, 0.071, 0.102),
-    (0.605, 0.001, 0.064, 0.060, 0.091),
+    (0.490, -0.003, 0.073, 0.082, 0.112),
+    (0.520, -0.003, 0.072, 0.080, 0.110),
+    (0.545, -0.003, 0.070, 0.075, 0.105),
+    (0.570, -0.002, 0.067, 0.068, 0.096),
+    (0.590, 0.000, 0.065, 0.063, 0.090),
+    (0.605, 0.001, 0.064, 0.060, 0.087),
     (0.640, 0.002, 0.061, 0.054, 0.084),
     (0.680, 0.002, 0.063, 0.056, 0.086),
     (0.720, 0.003, 0.067, 0.060, 0.091),
@@ -75,6 +76,10 @@ trunk from which it follows the arm alone, in girths."""
 DRAWN, BESIDE = 0.022, (0.105, 0.045)
 """Depth of the trunk from which cloth is drawn along by an arm, and the distances from the shoulder
 between which that comes about, in girths: less would fold it into itself before the chest."""
+
+SUNK, SLOPE = 0.020, (0.045, 0.020)
+"""By how much shoulders are lower with the arms let down, and the distances from the joint, to the
+neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
 SLEEVE_THICKNESS = 0.0036
 """Of a sleeve with the air in it, in girths."""
@@ -114,6 +119,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     half = 0.5 * SPREAD
     turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))
     hanging = _swung(spread, joint, -turned)
+    hanging[:, 1] -= _slope(build, hanging)
     frames, share = _followed(build, hanging, straight, pull)
     by_trunk = fold_shade(build, trunk_folds, spread)
     shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
@@ -131,6 +137,13 @@ def _swung(places: Array, joint: Array, angle: float | Array) -> Array:
     x, y, z = (places - joint).T
     c, s = np.cos(angle), np.sin(angle)
     return joint + np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
+
+
+def _slope(build: BodyMeasures, hanging: Array) -> Array:
+    """Return by how much cloth (n,) is lower [m] where the shoulder of a hanging arm slopes."""
+    g, y, z = build.girth, hanging[:, 1], hanging[:, 2]
+    aside = ramp(z, build.shoulders - SLOPE[0] * g, build.shoulders + SLOPE[1] * g)
+    return SUNK * g * aside * ramp(y, build.level(0.735), build.level(0.815))
 
 
 def _followed(
@@ -177,8 +190,8 @@ def _sleeve_field(build: BodyMeasures, end: float) -> Field:
     shoulder = round_cone(
         (-0.001 * g, top - 0.012 * g, z - 0.005 * g),
         (0.002 * g, top - 0.052 * g, z + 0.0005 * g),
-        0.0215 * g,
-        0.0240 * g,
+        0.0200 * g,
+        0.0226 * g,
     )
     above = half_space((0.0, end, z), (0.0, -1.0, 0.0))
     return smooth_intersection(smooth_union([arm, shoulder], 0.02 * g), above, CUT_EDGE * g)

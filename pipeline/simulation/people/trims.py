@@ -21,7 +21,7 @@ from pipeline.simulation.spatial import Array
 AROUND = 16
 """Vertices of a ring of a band."""
 
-PROUD, THICK = 0.0011, 0.0052
+PROUD, THICK = 0.0, 0.0045
 """By how much a band stands out of the cloth, and its thickness, in girths."""
 
 CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
@@ -32,7 +32,7 @@ CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
 )
 """Lower and upper edges of bands, as fractions of an adult's height."""
 
-BELT, BELT_WORN = (0.5885, 0.6030), 0.0003
+BELT, BELT_WORN = (0.5885, 0.6030), 0.0018
 """Edges of a belt likewise, and its distance from the outline of the shirt, in girths."""
 
 WAISTBAND = (0.5800, 0.6080)

@@ -46,18 +46,57 @@ SMALLEST_SPAN = float(np.finfo(np.float64).tiny / np.finfo(np.float64).eps)
 
 @generates(HillsTerrain)
 def hills(terrain: HillsTerrain, rng: np.random.Generator) -> HeightField:
-    """Return smooth hills about `spacing` apart and `height` high."""
+    """Return smooth hills, or dunes, about `spacing` apart and `height` high."""
+    if terrain.crest > 0.0:
+        return HeightField(_dunes(terrain, rng), terrain.size)
     return HeightField(swells(terrain, terrain.height, terrain.spacing, rng), terrain.size)
 
 
 def swells(terrain: GridTerrain, height: float, spacing: float, rng: np.random.Generator) -> Array:
     """Return heights (n_z + 1, n_x + 1) of swells `spacing` apart, of mean 0, all `height` high."""
     k, spectrum = _noise(terrain, rng)
-    # A band of waves one third of their mean wide: regular enough to be hills,
-    # irregular enough not to be an egg box.
-    centre = 1.0 / spacing
-    spectrum *= np.exp(-0.5 * ((k - centre) / (centre / 3.0)) ** 2)
+    spectrum *= _band(k, spacing)
     return _spanning(_to_heights(spectrum, terrain), height)
+
+
+def _band(k: Array, spacing: float) -> Array:
+    """Return the share of each wave number in waves `spacing` apart.
+
+    The band is one third of its mean wide: regular enough to be hills, irregular enough not to be
+    an egg box.
+    """
+    centre = 1.0 / spacing
+    return np.asarray(np.exp(-0.5 * ((k - centre) / (centre / 3.0)) ** 2))
+
+
+LEE = 0.35
+"""Share of a wave's length below the lee slope of the sharpest dunes."""
+
+CONCAVITY = 1.5
+"""Power with which slopes of dunes rise from their trough to their crest."""
+
+
+def _dunes(terrain: HillsTerrain, rng: np.random.Generator) -> Array:
+    """Return heights (n_z + 1, n_x + 1) of dunes across the wind.
+
+    The phase of waves along the wind is found by their analytic signal. Each wave gets a crest
+    at phase 0, a steep slope ahead of it, and a gentle one behind.
+    """
+    n_x, _ = _domain(terrain)
+    k, spectrum = _noise(terrain, rng)
+    k_x = np.fft.rfftfreq(n_x, terrain.size[0] / terrain.cells[0])
+    # Crests lie across the wind more or less.
+    spectrum *= _band(k, terrain.spacing) * (k_x / np.maximum(k, 1e-9)) ** 2
+    waves = np.fft.ifft(spectrum, axis=0)[: terrain.cells[1] + 1]
+    # Without the waves of negative frequency what comes back is complex.
+    signal = np.fft.ifft(waves, n_x)[:, : terrain.cells[0] + 1]
+    # The wave goes up with the wind to the crest, and falls beyond it.
+    ahead = np.mod(np.angle(signal), 2.0 * np.pi) / (2.0 * np.pi)
+    lee = 0.5 + terrain.crest * (LEE - 0.5)
+    slope = np.where(ahead < lee, 1.0 - ahead / lee, (ahead - lee) / (1.0 - lee))
+    round_slope = 0.5 - 0.5 * np.cos(np.pi * slope)
+    profile = round_slope + terrain.crest * (slope**CONCAVITY - round_slope)
+    return _spanning(np.abs(signal) * (2.0 * profile - 1.0), terrain.height)
 
 
 def _noise(terrain: GridTerrain, rng: np.random.Generator) -> tuple[Array, Array]:

@@ -66,14 +66,21 @@ class FractalTerrain(GridTerrain):
 @terrain_kind(
     hills={},
     meadow={"height": 0.5, "spacing": 7.0, "material": "grass"},
-    dunes={"height": 2.2, "spacing": 9.0, "material": "sand"},
+    dunes={"height": 2.2, "spacing": 9.0, "crest": 0.8, "material": "sand"},
 )
 class HillsTerrain(GridTerrain):
-    """Smooth hills."""
+    """Smooth hills, or dunes with crests across the wind."""
 
     kind: Literal["hills"] = Field("hills", description="Smooth hills.")
     height: LengthOrZero = Field(1.0, description="From the lowest to the highest point [m].")
     spacing: Length = Field(6.0, description="From one hill to the next, on average [m].")
+    crest: Number = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="How sharp the crests are: 0 round hills, 1 dunes that a wind along x has "
+        "piled up, steep on the far side.",
+    )
 
 
 @terrain_kind(boulders={})

@@ -32,7 +32,7 @@ from pipeline.simulation.people.proportions import (
     BodyMeasures,
     Proportions,
 )
-from pipeline.simulation.people.shirt_mesh import shirt_field
+from pipeline.simulation.people.shirt_mesh import shirt, shirt_field
 from pipeline.simulation.people.skinned_surface import symmetric_field
 from pipeline.simulation.people.wardrobe import (
     OUTFITS,
@@ -214,6 +214,19 @@ def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
         assert (_winding(shirt, covered) > 0.5).all()
 
 
+@pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
+def test_shoulders_slope_down_from_the_neck(proportions: Proportions) -> None:
+    build = BodyMeasures(proportions, 1.0)
+    places = shirt(build, short_sleeves=False).vertices
+    g, height = build.girth, proportions.height
+    tops = []
+    for aside in (0.05 * g, build.shoulders - 0.02 * g, build.shoulders + 0.012 * g):
+        near = np.abs(places[:, 2] - aside) < 0.006 * g
+        tops.append(float(places[near, 1].max()))
+    # The sleeve falls away outside of the joint as well.
+    assert (-np.diff(tops) > 0.008 * height).all()
+
+
 def test_equal_clothes_share_meshes() -> None:
     one = person_layers(ADULT, Clothes(shirt="red cloth"))
     other = person_layers(ADULT, Clothes(shirt="blue cloth"))
@@ -301,7 +314,7 @@ def test_hair_grows_from_the_head_and_leaves_the_eyes_free() -> None:
         layers = {one.name: one.mesh for one in person_layers(ADULT, Clothes(style=style))}
         hair = layers["hair"]
         length = np.linalg.norm(hair.hair, axis=-1)
-        assert 0.0 < length.max() < 0.12
+        assert 0.0 < length.max() < 0.13
         turning = layers["eyes"].targets[:, 1] == EYE_TURN
         eyes = layers["eyes"].vertices[layers["eyes"].targets[turning, 0]]
         tips = hair.vertices + hair.hair

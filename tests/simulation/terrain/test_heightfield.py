@@ -251,6 +251,39 @@ def test_hills_are_about_their_spacing_apart() -> None:
     assert 0.5 / 5 < mean < 1.1 / 5
 
 
+def _dunes(crest: float) -> HeightField:
+    size, cells = (60.0, 60.0), (300, 300)
+    config = HillsTerrain(size=size, cells=cells, height=3, spacing=15, crest=crest)
+    return build_ground(config, 3).field
+
+
+def _windward_and_lee(crest: float) -> tuple[float, float]:
+    """Return the steepest slopes up and down along x, to the 99th percentile."""
+    field = _dunes(crest)
+    slope = np.diff(field.heights, axis=1) / field.cell[0]
+    return float(np.percentile(slope, 99.0)), -float(np.percentile(slope, 1.0))
+
+
+def test_dunes_are_steep_on_the_side_away_from_the_wind() -> None:
+    up, down = _windward_and_lee(0.0)
+    assert down == pytest.approx(up, rel=0.15)
+    shares = [down / up for up, down in (_windward_and_lee(crest) for crest in (0.1, 0.5, 1.0))]
+    assert 0.9 < shares[0] < shares[1] < shares[2] < 3.0
+    assert shares[2] > 1.5
+
+
+def test_crests_of_dunes_are_edges() -> None:
+    def sharpest(crest: float) -> float:
+        config = HillsTerrain(
+            size=(60.0, 60.0), cells=(300, 300), height=3, spacing=15, crest=crest
+        )
+        field = build_ground(config, 3).field
+        return -float(np.diff(field.heights, 2, axis=1).min()) / field.cell[0]
+
+    # A change of slope from one cell to the next, whose angle the size of the cells leaves alone.
+    assert sharpest(0.0) < 0.1 < 0.5 < sharpest(0.9)
+
+
 def test_rougher_ground_has_more_of_its_power_in_small_features() -> None:
     def fine(roughness: float) -> float:
         config = FractalTerrain(roughness=roughness, cells=(128, 128))

@@ -35,7 +35,7 @@ STEEP_COSINE = 0.7  # of the least angle to the level of a way out that bars the
 
 @compiled
 def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) -> None:
-    """Take out of a walker's velocity what leads into solids, for a sub-step of `h` [s]."""
+    """Take out of a walker's velocity what leads into solids, for `h` [s]."""
     if person.frozen:
         return
     for s in range(len(solids.bodies)):
@@ -50,7 +50,7 @@ def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) ->
 
 @compiled
 def slide_feet(person: Record, nodes: Records, h: float) -> None:
-    """Let stance feet give way to contacts, for a sub-step of `h` [s]."""
+    """Let stance feet give way to contacts, for `h` [s]."""
     for k in range(2):
         if person.foot_state[k] == STANCE:
             push = nodes[person.node + FEET + k].contact_push

@@ -40,6 +40,7 @@ HIGHEST_STEP = 0.6  # up to a deck, in leg lengths
 STEEPEST_DECK = 0.7  # least cosine of the angle of its normal to the vertical
 INSIDE_MARGIN, OUTSIDE_MARGIN = 0.5, 0.45  # of ankles from the edge of a deck, in foot lengths
 NARROW_DECK = 0.8  # of the half extent of a deck, beyond which its margin does not go
+LEAST_SHARE = 1e-3  # of the weight on a deck that the deck carries along
 WEIGHT_RATE = 9.0  # at which weight goes to a foot on the other surface [1/s]
 
 
@@ -115,8 +116,19 @@ def _deck_at(person: Record, x: float, z: float) -> tuple[float, float, Vector]:
 
 
 @compiled
+def rides_deck(person: Record) -> bool:
+    """Tell whether a deck carries a person, or will when a foot comes down."""
+    if person.deck == NOBODY:
+        return False
+    feet = 0
+    for k in range(2):
+        feet += person.stance_on_deck[k] + person.liftoff_on_deck[k] + person.landing_on_deck[k]
+    return bool(feet > 0 or person.deck_share > LEAST_SHARE)
+
+
+@compiled
 def follow_deck(person: Record, nodes: Records, owners: Records, solids: Solids, h: float) -> None:
-    """Carry a person along with its deck, for a sub-step of `h` [s]."""
+    """Carry a person along with its deck, which has moved for `h` [s]."""
     person.carry_velocity[0] = person.carry_velocity[1] = person.carry_turn = 0.0
     if person.deck == NOBODY:
         person.known_deck, person.deck_share = NOBODY, 0.0

@@ -48,15 +48,15 @@ SITTING_TIME = 1.5  # to sit down or to stand up [s]
 
 
 @compiled
-def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
-    """Advance the led place by one sub-step."""
+def lead_pelvis(person: Record, nodes: Records, ground: Grid, h: float, dt: float) -> None:
+    """Advance the led place for `dt` [s]; nodes have moved for `h` [s]."""
     wx, wz = _walk_vector(person)
     ease = _slope_slowdown(person, wx, wz, ground) * hurdle_ease(person)
     # Or the steps would be as much longer as they take longer.
     ease /= 1.0 + person.slowing
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
-    _advance_place(person, nodes, wx, wz, dt)
+    _advance_place(person, nodes, wx, wz, h, dt)
     follow_duty_factor(person, dt)
     walking = walk_share(ground_speed(person), leg_length(person))
     walk_target = walking if person.stepping else 0.0
@@ -210,7 +210,9 @@ def _turn_to_way(person: Record, heading: float) -> float:
 
 
 @compiled
-def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
+def _advance_place(
+    person: Record, nodes: Records, wx: float, wz: float, h: float, dt: float
+) -> None:
     """Move the led place with its velocity, and along with the body."""
     leg, limit = leg_length(person), MAX_ACCELERATION * GRAVITY
     gain_x, gain_z = (
@@ -231,7 +233,7 @@ def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: flo
         excess = 0.0 if is_sitting else offset - min(max(offset, -free), free)
         # A shoved person moves as fast as the body, not faster.
         shoved = min(abs(excess) / (SHOVED_OFFSET * leg), 1.0)
-        v = (node.p[axis] - node.previous[axis]) / dt - person.carry_velocity[c]
+        v = (node.p[axis] - node.previous[axis]) / h - person.carry_velocity[c]
         acceleration = gain_x if c == 0 else gain_z
         person.velocity[c] += (acceleration + FOLLOW_RATE * shoved * (v - person.velocity[c])) * dt
         shift = FOLLOW_RATE * excess * dt

@@ -265,7 +265,9 @@ PERSON = np.dtype(
         ("trips", "i8"),
         # Time since it has fallen, 0 while it is up [s].
         ("down_time", "f8"),
-        # Target places of the nodes [m], now and one sub-step ago.
+        # Whether its targets are set in every sub-step.
+        ("follows_closely", "?"),
+        # Target places of the nodes [m], at the end of a step and at its start.
         ("targets", "f8", (NODE_COUNT, 3)),
         ("previous_targets", "f8", (NODE_COUNT, 3)),
     ],

@@ -142,22 +142,24 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     sway = SWAY * leg * walking * phase_cosine(person, middle)
     tilt = PELVIS_TILT * walking * phase_cosine(person, middle)
     rotation = -PELVIS_ROTATION * walking * phase_cosine(person, 1.0 - stance)
-    height = _pelvis_height(person, stance, dt)
     aside, ahead = _weight_shift(person, dt)
     sway += SHIFT_ASIDE * leg * aside
     tilt += SHIFT_TILT * aside
     c, s = math.cos(person.heading), math.sin(person.heading)
     backward = backward_shift(person) - SHIFT_AHEAD * leg * ahead
-    pelvis = (
-        person.at[0] + sway * s - backward * c,
-        person.floor + height,
-        person.at[1] + sway * c + backward * s,
-    )
+    x, z = person.at[0] + sway * s - backward * c, person.at[1] + sway * c + backward * s
+    pelvis = (x, person.targets[PELVIS, 1], z)
     put(person.targets, PELVIS, pelvis)
     frame = trunk_frame(person.heading + rotation, 0.0, 0.0, tilt)
     for k in range(2):
         side = person.hips if k == 1 else -person.hips
         put(person.targets, HIP + k, place_in_world(pelvis, frame, 0.0, 0.0, side))
+    # As high as legs reach from where the hips are now.
+    rise = person.floor + _pelvis_height(person, stance, dt) - pelvis[1]
+    pelvis = (x, pelvis[1] + rise, z)
+    put(person.targets, PELVIS, pelvis)
+    for k in range(2):
+        person.targets[HIP + k, 1] += rise
     _lean(person, nodes, dt)
     _hold_chest(person, pelvis, rotation, dt)
 
@@ -214,7 +216,7 @@ def sway_in_place(person: Record, dt: float) -> None:
 
 @compiled
 def _shift_in_world(person: Record, dt: float) -> tuple[float, float]:
-    """Return x and z of the weight shift of a standing person after a sub-step [m]."""
+    """Return x and z of the weight shift of a standing person after `dt` [s] [m]."""
     aside, ahead = _weight_shift(person, dt)
     aside, ahead = SHIFT_ASIDE * aside, SHIFT_AHEAD * ahead
     leg, c, s = leg_length(person), math.cos(person.heading), math.sin(person.heading)

@@ -30,7 +30,7 @@ from pipeline.simulation.characters.contact_response import (
 )
 from pipeline.simulation.characters.limb_limits import begin_recovery
 from pipeline.simulation.characters.link_contacts import may_touch, separate_links
-from pipeline.simulation.characters.motor_control import control_people
+from pipeline.simulation.characters.motor_control import control_people, drive_people
 from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
 from pipeline.simulation.characters.solid_contacts import find_solids, meet_solids
 from pipeline.simulation.characters.terrain_contacts import separate_from_ground
@@ -135,11 +135,13 @@ def advance(
     """
     h = dt / count
     log.filled[0] = 0
+    # They feel the blows of the step before.
+    control_people(arrays, persons, grid, workspace.solids, h, dt)
     for n in range(len(arrays.links)):
         arrays.links[n].energy = arrays.links[n].blow
         arrays.links[n].blow = 0.0
     for n in range(count):
-        control_people(arrays, persons, grid, workspace.solids, h, count)
+        drive_people(arrays, persons, grid, workspace.solids, h, n, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
     _update_pain(arrays.links, arrays.owners, dt)
     update_sleep(arrays.nodes, arrays.links, arrays.limbs, arrays.owners, arrays.grips, h, dt)

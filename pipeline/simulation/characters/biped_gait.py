@@ -35,7 +35,7 @@ from pipeline.simulation.characters.hurdles import (
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.vectors import Vector, plus, put, row, triple
+from pipeline.simulation.dynamics.vectors import Vector, hypotenuse, plus, put, row, triple
 from pipeline.simulation.spatial import Array
 
 VELOCITY_GAIN = 3.5  # [1/s] with which the velocity follows the walk vector
@@ -85,7 +85,7 @@ def place_below_hip(
 def foot_offset(person: Record, k: int) -> float:
     """Return the offset of a foot from below its hip, in step tolerances."""
     x, z = place_below_hip(person, k, person.at[0], person.at[1], person.heading)
-    distance = math.hypot(person.stance_place[k, 0] - x, person.stance_place[k, 2] - z)
+    distance = hypotenuse(person.stance_place[k, 0] - x, person.stance_place[k, 2] - z)
     yaw_error = abs(wrap_angle(person.yaw[k] - person.heading))
     return max(distance / (STEP_TOLERANCE * leg_length(person)), yaw_error / YAW_TOLERANCE)
 
@@ -151,7 +151,7 @@ def _is_closed(person: Record) -> bool:
     z = 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2])
     for k in range(2):
         to_x, to_z = place_below_hip(person, k, x, z, person.heading)
-        distance = math.hypot(person.stance_place[k, 0] - to_x, person.stance_place[k, 2] - to_z)
+        distance = hypotenuse(person.stance_place[k, 0] - to_x, person.stance_place[k, 2] - to_z)
         yaw_error = abs(wrap_angle(person.yaw[k] - person.heading))
         if (
             distance > CLOSED_TOLERANCE * leg
@@ -208,7 +208,7 @@ def _choose_landing(
     walking = person.walk_blend
     if not person.has_goal:
         # One that has arrived will not walk on over the foot.
-        walking = min(walking, walk_share(math.hypot(vx, vz), leg_length(person)))
+        walking = min(walking, walk_share(hypotenuse(vx, vz), leg_length(person)))
     behind = heel_offset(person, walking)
     half_stance = 0.5 * stance / rate
     x += vx * half_stance - behind * math.cos(heading)
@@ -465,7 +465,7 @@ def _heel_obstruction(person: Record, k: int) -> float:
     """
     other_foot = _other_ankle(person, k)
     x, z = other_foot[0] - person.stance_place[k, 0], other_foot[2] - person.stance_place[k, 2]
-    distance = max(math.hypot(x, z), 1e-9)
+    distance = max(hypotenuse(x, z), 1e-9)
     ahead, _ = _ahead_and_right(x, z, person.yaw[k])
     closeness = (HEEL_CLEARANCE - distance / (LATERAL_CLEARANCE * person.hips)) / (
         HEEL_CLEARANCE - 1.0

@@ -24,6 +24,7 @@ from pipeline.simulation.dynamics.terrain_grid import surface_at
 from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
+    hypotenuse,
     inverse_turned,
     minus,
     plus,
@@ -107,7 +108,7 @@ def _deck_at(person: Record, x: float, z: float) -> tuple[float, float, Vector]:
     local = inverse_turned(axes, minus((x, y, z), middle))
     half = person.deck_half
     if person.deck_is_round:
-        size = max(math.hypot(local[0], local[2]), 1e-9)
+        size = max(hypotenuse(local[0], local[2]), 1e-9)
         return y, half[0] - size, turned(axes, (local[0] / size, 0.0, local[2] / size))
     along, across = half[0] - abs(local[0]), half[1] - abs(local[2])
     if along < across:
@@ -178,7 +179,7 @@ def _deck_pose(
         c, s = math.cos(angle), math.sin(angle)
         u, v = nodes[first + 2 + k].p[0] - centre[0], nodes[first + 2 + k].p[2] - centre[2]
         x, z = x + c * u - s * v, z + s * u + c * v
-    size = max(math.hypot(x, z), 1e-9)
+    size = max(hypotenuse(x, z), 1e-9)
     c, s = x / size, z / size
     return ((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c)), plus(centre, place)
 

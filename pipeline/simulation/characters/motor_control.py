@@ -57,6 +57,7 @@ from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_che
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid
+from pipeline.simulation.dynamics.vectors import hypotenuse
 
 # Blows slacken muscles.
 STUN_ENERGY = 0.5  # of a blow that leaves muscles quite slack, per kilogram of the body [J/kg]
@@ -75,7 +76,7 @@ def update_stun(
     x = (pelvis.p[0] - pelvis.previous[0]) / h - person.velocity[0] - person.carry_velocity[0]
     z = (pelvis.p[2] - pelvis.previous[2]) / h - person.velocity[1] - person.carry_velocity[1]
     if person.sit_blend == 0.0 and not person.frozen:
-        knock = (math.hypot(x, z) - IGNORED_KNOCK) / (FELLING_KNOCK - IGNORED_KNOCK)
+        knock = (hypotenuse(x, z) - IGNORED_KNOCK) / (FELLING_KNOCK - IGNORED_KNOCK)
         person.stun = max(person.stun, min(knock, 1.0))
     owner = owners[person.owner]
     first, count = owner.links[0], owner.links[1]
@@ -108,7 +109,7 @@ def _way_yaw(person: Record) -> float:
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
     if person.has_facing:
         return person.facing
-    if person.has_goal and math.hypot(x, z) > person.stop_distance + 0.5 * leg_length(person):
+    if person.has_goal and hypotenuse(x, z) > person.stop_distance + 0.5 * leg_length(person):
         return math.atan2(-z, x)
     return person.heading + 0.25 * person.yaw_rate
 
@@ -137,7 +138,7 @@ def _within_view(
     Only speeds above the slowest one matter, in √(g l).
     """
     way = wrap_angle(math.atan2(-velocity[1], velocity[0]) - person.heading)
-    speed = froude(math.hypot(velocity[0], velocity[1]), leg_length(person))
+    speed = froude(hypotenuse(velocity[0], velocity[1]), leg_length(person))
     walking = smoothstep(max(speed - slowest, 0.0) / WALKING_GAZE_FROUDE)
     gaze = wrap_angle(person.gaze[0] - person.heading)
     if abs(way) > STRAIGHT_BACKWARD and way * gaze < 0.0:
@@ -155,9 +156,9 @@ def turn_head(person: Record, dt: float) -> None:
         x = person.look_at[0] - person.targets[HEAD, 0]
         y = person.look_at[1] - person.targets[HEAD, 1]
         z = person.look_at[2] - person.targets[HEAD, 2]
-        if math.hypot(x, z) > 1e-6:
+        if hypotenuse(x, z) > 1e-6:
             yaw = math.atan2(-z, x)
-        pitch = math.atan2(y, math.hypot(x, z))
+        pitch = math.atan2(y, hypotenuse(x, z))
     chest = person.heading + person.twist
     aside = wrap_angle(yaw - person.heading)
     # Beyond what neck and shoulders turn together: straight over the shoulder.
@@ -240,9 +241,7 @@ def _is_placed(person: Record, node: Record, k: int) -> bool:
 
 
 @compiled
-def _drive_foot(
-    person: Record, nodes: Records, k: int, part: float, span: float, h: float
-) -> None:
+def _drive_foot(person: Record, nodes: Records, k: int, part: float, span: float, h: float) -> None:
     """Lock a stance foot, and send a swinging foot along its line."""
     node, target = nodes[person.node + FOOT + k], person.targets[FOOT + k]
     before = person.previous_targets[FOOT + k]

@@ -47,7 +47,7 @@ from pipeline.simulation.characters.person_record import (
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
+from pipeline.simulation.dynamics.vectors import Vector, hypotenuse, length, minus, put, row
 from pipeline.simulation.people.proportions import SEGMENTS
 
 MAX_LEG_STRETCH = 0.996  # of its length; a quite straight leg cannot be bent
@@ -361,7 +361,7 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
         )
         along_x -= 1.2 * x / leg
         along_z -= 1.2 * z / leg
-    size = max(math.hypot(along_x, along_z) / MAX_LEAN, 1.0)
+    size = max(hypotenuse(along_x, along_z) / MAX_LEAN, 1.0)
     for c, target in ((0, along_x / size), (1, along_z / size)):
         person.lean[c], person.lean_rate[c] = spring_step(
             person.lean[c], person.lean_rate[c], target, 5.0, dt

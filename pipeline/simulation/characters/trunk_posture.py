@@ -100,11 +100,12 @@ def trunk_frame(heading: float, lean_x: float, lean_z: float, tilt: float) -> Fr
     right = (right[0] - along * up[0], -along * up[1], right[2] - along * up[2])
     n = 1.0 / math.sqrt(right[0] ** 2 + right[1] ** 2 + right[2] ** 2)
     right = (right[0] * n, right[1] * n, right[2] * n)
-    c, s = math.cos(tilt), math.sin(tilt)
-    right, up = (
-        (c * right[0] + s * up[0], c * right[1] + s * up[1], c * right[2] + s * up[2]),
-        (c * up[0] - s * right[0], c * up[1] - s * right[1], c * up[2] - s * right[2]),
-    )
+    if tilt != 0.0:
+        c, s = math.cos(tilt), math.sin(tilt)
+        right, up = (
+            (c * right[0] + s * up[0], c * right[1] + s * up[1], c * right[2] + s * up[2]),
+            (c * up[0] - s * right[0], c * up[1] - s * right[1], c * up[2] - s * right[2]),
+        )
     ahead = (
         up[1] * right[2] - up[2] * right[1],
         up[2] * right[0] - up[0] * right[2],

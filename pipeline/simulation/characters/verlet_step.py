@@ -181,8 +181,8 @@ def _sub_step(
     pair_count = find_link_pairs(nodes, links, owners, own_pairs, near, workspace.pairs)
     pairs = workspace.pairs[:pair_count]
     for n in range(ROUNDS + EXTRA_ROUNDS):
-        if n > 0:
-            _activate(owners, n >= ROUNDS)
+        if n > 0 and not _activate(owners, n >= ROUNDS) and solid_count == 0:
+            break
         # Old overlap is resolved at a constant speed, however many rounds there are.
         slack = PARTING_SPEED * h / ROUNDS if n < ROUNDS else 0.0
         sub_step = SubStep(h, slack, moment)
@@ -216,9 +216,10 @@ def _separate_pairs(
     log: TouchLog,
 ) -> None:
     for n in range(len(pairs)):
-        a, b = links[pairs[n, 0]], links[pairs[n, 1]]
-        if (owners[a.owner].active or owners[b.owner].active) and may_touch(nodes, a, b):
-            separate_links(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), sub_step, log)
+        if owners[pairs[n, 2]].active or owners[pairs[n, 3]].active:
+            pair = pairs[n, 0], pairs[n, 1]
+            if may_touch(nodes, links[pair[0]], links[pair[1]]):
+                separate_links(nodes, links, owners, pair, sub_step, log)
 
 
 @inlined
@@ -230,14 +231,20 @@ def _activate_awake(owners: Records) -> None:
 
 
 @compiled
-def _activate(owners: Records, only_deep: bool) -> None:
-    """Activate characters that are awake and unsettled, or only those in deep contacts."""
+def _activate(owners: Records, only_deep: bool) -> bool:
+    """Activate characters that are awake and unsettled, or only those in deep contacts.
+
+    Returns:
+        Whether there are any.
+    """
     _unsettle_touching(owners)
+    found = False
     for c in range(len(owners)):
         owner = owners[c]
         is_deep = owner.penetration > DEEP_CONTACT
         owner.active = not (owner.asleep or owner.settled) and (not only_deep or is_deep)
-        owner.penetration = 0.0
+        owner.penetration, found = 0.0, found or owner.active
+    return found
 
 
 @inlined

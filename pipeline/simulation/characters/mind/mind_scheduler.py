@@ -48,7 +48,7 @@ CHANNELS = (
 )
 """Names and units of what the take tells of a mind."""
 
-THINKING_INTERVAL = 0.15  # of a mind, about, less than it takes people to react to a sight [s]
+THINKING_INTERVAL = 0.1  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
 DISTRESS_CRY_INTERVAL = 3.0  # [s]
 MIN_CRY_INTERVAL = 0.8  # [s]

@@ -201,7 +201,8 @@ class Mind:
 
     def nearest_on_terrain(self, x: float, z: float) -> tuple[float, float]:
         """Return x and z of the nearest place that can be walked to [m]."""
-        (low_x, low_z), (high_x, high_z), m = *self._edges, EDGE_MARGIN
+        (low_x, low_z), (high_x, high_z) = self._edges
+        m = EDGE_MARGIN
         return min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)
 
     def record_of(self, owner: int) -> Record | None:

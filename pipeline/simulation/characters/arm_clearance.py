@@ -14,14 +14,13 @@ from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 
 LOOK_AHEAD = 0.6  # within which others pass [s]
 KEPT, FREE = 0.5, 0.8  # distances at which arms are kept to the body, and swing freely, in heights
-KEEPING = 0.06  # share of the change that is taken in a step
 
 
 @compiled
 def keep_arms_in(
     persons: Records, person: Record, nearest: Numbers, count: int, in_crowd: bool
 ) -> None:
-    """Set how far a walker keeps its arms to the body, `arms_in`, 0 to 1.
+    """Set how far a walker wants to keep its arms to the body, `arms_wanted_in`, 0 to 1.
 
     Args:
         persons: `PERSON` records.
@@ -37,7 +36,7 @@ def keep_arms_in(
             size = 0.5 * (person.height + other.height)
             near = _least_distance(person, other) / size
             kept = max(kept, (FREE - near) / (FREE - KEPT))
-    person.arms_in += KEEPING * (min(kept, 1.0) - person.arms_in)
+    person.arms_wanted_in = min(kept, 1.0)
 
 
 @compiled

@@ -35,7 +35,7 @@ from pipeline.simulation.characters.hurdles import (
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.vectors import Vector, plus, put, row, triple
+from pipeline.simulation.dynamics.vectors import Vector, hypotenuse, plus, put, row, triple
 from pipeline.simulation.spatial import Array
 
 VELOCITY_GAIN = 3.5  # [1/s] with which the velocity follows the walk vector
@@ -52,7 +52,8 @@ HEEL_RISE_START = 0.55  # fraction of the stance at which the heel rises at the 
 HEEL_RISE_ANGLE = math.radians(48.0)  # about the ball until lift-off
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 
-FASTEST_RAISE = 0.008  # of a swing under way, in a sub-step
+FASTEST_RAISE = 2.3  # of a swing under way, in leg lengths [1/s]
+PITCH_SETTLING_RATE = 83.0  # at which a foot comes to lie flat [1/s]
 SETTLING_RATE = 30.0  # at which a caught foot comes to stand [1/s]
 
 # How a foot gets up or down a high step: up and then ahead, or ahead and then down. On its usual
@@ -84,20 +85,20 @@ def place_below_hip(
 def foot_offset(person: Record, k: int) -> float:
     """Return the offset of a foot from below its hip, in step tolerances."""
     x, z = place_below_hip(person, k, person.at[0], person.at[1], person.heading)
-    distance = math.hypot(person.stance_place[k, 0] - x, person.stance_place[k, 2] - z)
+    distance = hypotenuse(person.stance_place[k, 0] - x, person.stance_place[k, 2] - z)
     yaw_error = abs(wrap_angle(person.yaw[k] - person.heading))
     return max(distance / (STEP_TOLERANCE * leg_length(person)), yaw_error / YAW_TOLERANCE)
 
 
 @compiled
 def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> None:
-    """Advance both feet by one sub-step.
+    """Advance both feet.
 
     Args:
         person: `PERSON` record; changed.
         frame: of the terrain grid.
         vertices: of the terrain grid.
-        dt: the sub-step [s].
+        dt: time [s].
     """
     if person.kick_foot >= 0:
         _kick(person, person.kick_foot, frame, vertices, dt)
@@ -150,7 +151,7 @@ def _is_closed(person: Record) -> bool:
     z = 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2])
     for k in range(2):
         to_x, to_z = place_below_hip(person, k, x, z, person.heading)
-        distance = math.hypot(person.stance_place[k, 0] - to_x, person.stance_place[k, 2] - to_z)
+        distance = hypotenuse(person.stance_place[k, 0] - to_x, person.stance_place[k, 2] - to_z)
         yaw_error = abs(wrap_angle(person.yaw[k] - person.heading))
         if (
             distance > CLOSED_TOLERANCE * leg
@@ -180,17 +181,19 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.pivot[k, 0], person.pivot[k, 1] = other_foot[0], other_foot[2]
     person.swing_height[k] = 0.0
     person.hurdle_side[k] = 0
-    _choose_landing(person, k, 1.0, 1.0, frame, vertices)
+    _choose_landing(person, k, 1.0, math.inf, frame, vertices)
 
 
 @compiled
 def _choose_landing(
-    person: Record, k: int, left: float, share: float, frame: Record, vertices: Array
+    person: Record, k: int, left: float, dt: float, frame: Record, vertices: Array
 ) -> None:
     """Choose the landing place of a foot with a remaining fraction of its swing left.
 
-    Only a share of a change is taken over, so that the foot does not dart aside.
+    Only a share of a change is taken over in `dt` [s], so that the foot does not dart aside; all
+    of it in an infinite time.
     """
+    retargeted = 1.0 - math.exp(-RETARGET_RATE * dt)
     rate, stance = gait_pace(person)
     time = left * (1.0 - stance) / rate
     # Until the other foot leaves the ground the weight is on both.
@@ -205,7 +208,7 @@ def _choose_landing(
     walking = person.walk_blend
     if not person.has_goal:
         # One that has arrived will not walk on over the foot.
-        walking = min(walking, walk_share(math.hypot(vx, vz), leg_length(person)))
+        walking = min(walking, walk_share(hypotenuse(vx, vz), leg_length(person)))
     behind = heel_offset(person, walking)
     half_stance = 0.5 * stance / rate
     x += vx * half_stance - behind * math.cos(heading)
@@ -221,8 +224,8 @@ def _choose_landing(
         carried = time + (1.0 - math.exp(-VELOCITY_GAIN * half_stance)) / VELOCITY_GAIN
         x += person.carry_velocity[0] * carried
         z += person.carry_velocity[1] * carried
-    x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
-    z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
+    x = person.landing_place[k, 0] + retargeted * (x - person.landing_place[k, 0])
+    z = person.landing_place[k, 2] + retargeted * (z - person.landing_place[k, 2])
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
@@ -237,9 +240,9 @@ def _choose_landing(
     rise = y + person.ankle - lifted[1]
     by_slope = -(n[0] * (x - lifted[0]) + n[2] * (z - lifted[2])) / max(n[1], 1e-6)
     person.step_rise[k] = min(abs(rise), abs(rise - by_slope))
-    person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
-    person.swing_end[k] += share * (person.landing_place[k, 1] - person.swing_end[k])
-    _raise_swing_height(person, k, share, frame, vertices)
+    person.landing_yaw[k] += retargeted * wrap_angle(heading - person.landing_yaw[k])
+    person.swing_end[k] += retargeted * (person.landing_place[k, 1] - person.swing_end[k])
+    _raise_swing_height(person, k, dt, frame, vertices)
 
 
 @compiled
@@ -253,10 +256,8 @@ def _other_ankle(person: Record, k: int) -> Vector:
 
 
 @compiled
-def _raise_swing_height(
-    person: Record, k: int, share: float, frame: Record, vertices: Array
-) -> None:
-    """Raise the swing of a foot to clear what is below its way; at once if the share is 1."""
+def _raise_swing_height(person: Record, k: int, dt: float, frame: Record, vertices: Array) -> None:
+    """Raise the swing of a foot to clear what is below its way, for `dt` [s]."""
     a, b = row(person.liftoff_place, k), row(person.landing_place, k)
     run = run_blend(ground_speed(person), leg_length(person))
     clear = (0.035 + 0.02 * person.walk_blend + 0.13 * run) * leg_length(person)
@@ -275,9 +276,7 @@ def _raise_swing_height(
         clear = max(clear, need)
     height = min(clear, 0.6 * leg_length(person))
     # What comes in sight in mid-swing lifts the foot without a jerk.
-    most = person.swing_height[k] + FASTEST_RAISE * leg_length(person)
-    if share < 1.0 and height > most:
-        height = most
+    height = min(height, person.swing_height[k] + FASTEST_RAISE * leg_length(person) * dt)
     person.swing_height[k] = max(person.swing_height[k], height)
 
 
@@ -385,21 +384,22 @@ def _swing(
 ) -> None:
     """Advance a swinging foot, and land it at the end.
 
-    The pace is cycles per second, stance fraction and sub-step [s].
+    The pace is cycles per second, stance fraction and time [s].
     """
     rate, stance, dt = pace
     u = leg_phase(person, k) / (1.0 - stance)
     if u >= 1.0:
         person.foot_state[k] = STANCE
         person.touchdowns[k] += 1
-        person.touchdown_time[k] = person.report_time
+        late = (u - 1.0) * (1.0 - stance) / rate
+        person.touchdown_time[k] = person.report_time + max(dt - late, 0.0)
         person.touchdown_speed[k] = 3.0 * person.swing_height[k] * rate / (1.0 - stance)
         put(person.stance_place, k, row(person.landing_place, k))
         person.stance_on_deck[k] = person.landing_on_deck[k]
         person.yaw[k] = person.landing_yaw[k]
         return
     if u < 0.75:
-        _choose_landing(person, k, 1.0 - u, 1.0 - math.exp(-RETARGET_RATE * dt), frame, vertices)
+        _choose_landing(person, k, 1.0 - u, dt, frame, vertices)
     else:
         share = 1.0 - math.exp(-LATE_RETARGET_RATE * dt)
         person.swing_end[k] += share * (person.landing_place[k, 1] - person.swing_end[k])
@@ -440,7 +440,8 @@ def _stand(
     if stance_fraction < HEEL_RISE_START:
         pitch = 0.0
         settle_fraction = 0.06 if person.stepping else 1.0
-        person.pitch[k] *= 1.0 - smoothstep(min(stance_fraction / settle_fraction, 1.0)) * 0.25
+        settled = smoothstep(min(stance_fraction / settle_fraction, 1.0))
+        person.pitch[k] *= math.exp(-PITCH_SETTLING_RATE * settled * dt)
     else:
         person.pitch[k] = pitch
     if person.sit_blend > 0.0:
@@ -464,7 +465,7 @@ def _heel_obstruction(person: Record, k: int) -> float:
     """
     other_foot = _other_ankle(person, k)
     x, z = other_foot[0] - person.stance_place[k, 0], other_foot[2] - person.stance_place[k, 2]
-    distance = max(math.hypot(x, z), 1e-9)
+    distance = max(hypotenuse(x, z), 1e-9)
     ahead, _ = _ahead_and_right(x, z, person.yaw[k])
     closeness = (HEEL_CLEARANCE - distance / (LATERAL_CLEARANCE * person.hips)) / (
         HEEL_CLEARANCE - 1.0

@@ -137,6 +137,8 @@ OWNER = np.dtype(
         ("on_bearing", "?"),
         # Deepest contact in this sub-step [m].
         ("penetration", "f8"),
+        # Whether its constraints held before they were last enforced, and nothing moved it since.
+        ("settled", "?"),
         # Whether its own links are deep in one another, and for how long [s].
         ("self_penetrating", "?"),
         ("tangled_time", "f8"),

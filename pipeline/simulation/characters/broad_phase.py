@@ -28,7 +28,7 @@ class Workspace(NamedTuple):
     Attributes:
         order: (C,) characters in the order of their bounding boxes along x.
         near: (n, 2) characters with overlapping boxes.
-        pairs: (m, 2) links that may touch.
+        pairs: (m, 4) two links that may touch, and their owners.
         solids: of other rooms.
     """
 
@@ -44,7 +44,7 @@ def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Work
     return Workspace(
         np.arange(count),
         np.zeros((PAIRS_PER_CHARACTER * count, 2), dtype=np.int64),
-        np.zeros((SPARE_PAIRS + PAIRS_PER_LINK * links, 2), dtype=np.int64),
+        np.zeros((SPARE_PAIRS + PAIRS_PER_LINK * links, 4), dtype=np.int64),
         no_solids() if solids is None else solids,
     )
 
@@ -153,7 +153,8 @@ def _keep_pair(
         return found
     if is_gripped(nodes, links[pair[0]], links[pair[1]]):
         return found
-    pairs[found, 0], pairs[found, 1] = pair[0], pair[1]
+    for k in range(2):
+        pairs[found, k], pairs[found, 2 + k] = pair[k], links[pair[k]].owner
     return found + 1
 
 

@@ -8,8 +8,6 @@ Solids below the ankle or above the head are ignored.
 
 from __future__ import annotations
 
-import math
-
 from pipeline.simulation.characters.body_arrays import SOLID
 from pipeline.simulation.characters.hurdles import walks_into
 from pipeline.simulation.characters.person_record import FOOT as FEET
@@ -21,7 +19,7 @@ from pipeline.simulation.characters.solid_kinematics import (
     velocity_at,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
+from pipeline.simulation.dynamics.vectors import Vector, hypotenuse, minus, times, triple
 
 # Before solids of other rooms. Distances in heights, masses in those of the person.
 PROBE_LEVELS = (0.07, 0.28, 0.53, 0.8)  # ankle, knee, pelvis, chest
@@ -35,7 +33,7 @@ STEEP_COSINE = 0.7  # of the least angle to the level of a way out that bars the
 
 @compiled
 def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) -> None:
-    """Take out of a walker's velocity what leads into solids, for a sub-step of `h` [s]."""
+    """Take out of a walker's velocity what leads into solids, for `h` [s]."""
     if person.frozen:
         return
     for s in range(len(solids.bodies)):
@@ -50,11 +48,11 @@ def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) ->
 
 @compiled
 def slide_feet(person: Record, nodes: Records, h: float) -> None:
-    """Let stance feet give way to contacts, for a sub-step of `h` [s]."""
+    """Let stance feet give way to contacts, for `h` [s]."""
     for k in range(2):
         if person.foot_state[k] == STANCE:
             push = nodes[person.node + FEET + k].contact_push
-            share = min(SLIDE_SPEED * h / max(math.hypot(push[0], push[2]), 1e-9), 1.0)
+            share = min(SLIDE_SPEED * h / max(hypotenuse(push[0], push[2]), 1e-9), 1.0)
             person.stance_place[k, 0] += share * push[0]
             person.stance_place[k, 2] += share * push[2]
 
@@ -92,7 +90,7 @@ def _limit_approach(person: Record, mass: float, solids: Solids, s: int) -> None
             closest, normal, place = gap, outward, minus(at, times(gap, outward))
     if closest == OUT_OF_REACH:
         return
-    size = math.hypot(normal[0], normal[2])
+    size = hypotenuse(normal[0], normal[2])
     x, z = normal[0] / size, normal[2] / size
     v = velocity_at(solid, minus(place, triple(solid.p)))
     towards = (person.velocity[0] - v[0]) * x + (person.velocity[1] - v[2]) * z
@@ -124,7 +122,7 @@ def _clear_feet(person: Record, solids: Solids, s: int, h: float) -> None:
 def _way_out(solids: Solids, s: int, at: Vector, clearance: float) -> tuple[float, float, float]:
     """Return the level way out of a solid, and the distance along it [m]."""
     gap, normal = signed_distance(solids, s, at, clearance)
-    size = math.hypot(normal[0], normal[2])
+    size = hypotenuse(normal[0], normal[2])
     if gap >= clearance or abs(normal[1]) >= STEEP_COSINE:
         return 0.0, 0.0, 0.0
     return normal[0] / size, normal[2] / size, clearance - gap

@@ -26,7 +26,7 @@ GRIP_TOLERANCE = 5e-4  # [m]
 def project_constraints(
     nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
 ) -> float:
-    """Project the links, middles and joint limits of one character once.
+    """Project the links, middles and joint limits of one character once, and note if it is settled.
 
     Returns:
         The largest relative error of a length before.
@@ -40,8 +40,10 @@ def project_constraints(
     for n in range(first, first + owner.middles[1]):
         m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
         largest = max(largest, _project_middle(nodes[m], nodes[i], nodes[j]))
+    is_limited = False
     if owner.limbs[1] > 0:
-        limit_limbs(nodes, limbs, owner.limbs[0], _limited_limbs(owner))
+        is_limited = limit_limbs(nodes, limbs, owner.limbs[0], _limited_limbs(owner))
+    owner.settled = largest <= LENGTH_TOLERANCE and not is_limited
     if owner.on_bearing:
         for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
             if nodes[i].on_bearing:
@@ -53,10 +55,11 @@ def project_constraints(
 def finish_constraints(
     nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
 ) -> None:
-    """Iterate the constraints of one character to tolerance, then set its joints."""
-    for _ in range(MAX_ITERATIONS):
-        if project_constraints(nodes, links, middles, limbs, owner) <= LENGTH_TOLERANCE:
-            break
+    """Iterate the constraints of one character to tolerance, unless settled, and set its joints."""
+    if not owner.settled:
+        for _ in range(MAX_ITERATIONS):
+            if project_constraints(nodes, links, middles, limbs, owner) <= LENGTH_TOLERANCE:
+                break
     _set_joints(nodes, limbs, owner)
 
 
@@ -130,6 +133,15 @@ def finish_grips(
     for c in range(len(owners)):
         if owners[c].active:
             _set_joints(nodes, limbs, owners[c])
+
+
+@inlined
+def unsettle_gripping(nodes: Records, owners: Records, grips: IntArray) -> None:
+    """Let characters that hold or are held be no longer settled."""
+    for n in range(len(grips)):
+        if grips[n, 0] >= 0 and grips[n, 1] >= 0:
+            for k in range(2):
+                owners[nodes[grips[n, k]].owner].settled = False
 
 
 @inlined

@@ -7,6 +7,7 @@ a throng where there is none, it keeps clear of their bodies and offends least a
 around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
 walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
 step aside. Others are visited in order along x, so that a crowd costs little more than a few.
+Walkers look at others in turns, a few of them in each step, and keep to what they chose in between.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -45,8 +46,10 @@ from pipeline.simulation.dynamics.compiled import (
     compiled,
     inlined,
 )
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
+LOOK_INTERVAL = 4  # steps from one look at others to the next
 HORIZON = 3.0  # within which nobody is met [s]
 SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
@@ -57,7 +60,7 @@ STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
 STANDING_ROOM = 0.38  # around those in a crowd, or nobody would pass between rows that have arrived
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
-SQUEEZING, CROWD_SQUEEZING = 0.007, 0.003  # change of that in a step; in a crowd
+SQUEEZING, CROWD_SQUEEZING = 0.028, 0.012  # change of that in a look; in a crowd
 THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
 BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
@@ -72,6 +75,7 @@ MORE_SIDESTEP_COST = 1.0
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
+ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
 
 
 def is_in_throng(person: Record) -> bool:
@@ -95,55 +99,90 @@ def avoid_people(persons: Records) -> None:
     projected = np.zeros((2 * MOST_NEIGHBOURS, 4))
     for n in range(len(order)):
         person = persons[order[n]]
+        person.looked = (person.looked + 1) % LOOK_INTERVAL
         if not person.has_goal:
             person.detour, person.impatience = 0.0, -PATIENCE
-            keep_arms_in(persons, person, nearest, 0, False)
+            person.arms_wanted_in = 0.0
+            person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
             make_way(persons, order, n, near)
-            continue
-        person.gave_way = False
-        count = _find_nearest(persons, order, n, near, nearest)
-        alone_x, alone_z = goal_velocity(person)
-        wanted_x, wanted_z = alone_x, alone_z
-        if person.group_size > 1:
-            wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
-        x, z, in_crowd = head_for_gap(persons, order, n, near, seen, wanted_x, wanted_z)
-        squeeze = max(person.impatience, 0.0)
-        for k in range(count):
-            other = persons[nearest[k]]
-            tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
-            room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
-            own_space = room - squeeze * (room - tight)
-            if walks_with(person, other):
-                own_space = min(own_space, COMPANION_SPACE)
-            lag = 0.0
-            if in_crowd and _shares_way(person, other):
-                lag = lag_at_crossing(person, other)
-            # Bodies keep clear of one another more alike than the space around them.
-            _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
-            _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
-        keep_arms_in(persons, person, nearest, count, in_crowd)
-        if count > 0:
-            limit = QUICKEST * person.pace
-            if not in_crowd:
-                x, z = allowed_velocity(lines, projected, count, limit, x, z)
-            else:
-                cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
-                x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
-                share = headway_share(persons, person, nearest, count, x, z)
-                x, z = share * x, share * z
-        _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
-        person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
-        person.sidestep[1] += SMOOTHING * (z - alone_z - person.sidestep[1])
+        else:
+            person.gave_way = False
+            if person.looked == 0:
+                count = _find_nearest(persons, order, n, near, nearest)
+                _choose_sidestep(persons, order, n, near, seen, nearest, count, lines, projected)
+            for c in range(2):
+                change = person.wanted_sidestep[c] - person.sidestep[c]
+                person.sidestep[c] += SMOOTHING * change
+        person.arms_in += ARM_RATE * (person.arms_wanted_in - person.arms_in)
+
+
+@allocating
+def _choose_sidestep(
+    persons: Records,
+    order: Numbers,
+    n: int,
+    near: Numbers,
+    seen: Numbers,
+    nearest: Numbers,
+    count: int,
+    lines: Array,
+    projected: Array,
+) -> None:
+    """Choose the sidestep of the n-th person in order, who walks.
+
+    Args:
+        persons: `PERSON` records.
+        order: their numbers along x.
+        n: the person's place in the order.
+        near: room for all people.
+        seen: room for those it sees.
+        nearest: numbers of the nearest people.
+        count: how many these are.
+        lines: room for two of each.
+        projected: the same.
+    """
+    person = persons[order[n]]
+    alone_x, alone_z = goal_velocity(person)
+    wanted_x, wanted_z = alone_x, alone_z
+    if person.group_size > 1:
+        wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
+    x, z, in_crowd = head_for_gap(persons, order, n, near, seen, wanted_x, wanted_z)
+    squeeze = max(person.impatience, 0.0)
+    for k in range(count):
+        other = persons[nearest[k]]
+        tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
+        room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
+        own_space = room - squeeze * (room - tight)
+        if walks_with(person, other):
+            own_space = min(own_space, COMPANION_SPACE)
+        lag = 0.0
+        if in_crowd and _shares_way(person, other):
+            lag = lag_at_crossing(person, other)
+        # Bodies keep clear of one another more alike than the space around them.
+        _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
+        _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
+    keep_arms_in(persons, person, nearest, count, in_crowd)
+    if count > 0:
+        limit = QUICKEST * person.pace
+        if not in_crowd:
+            x, z = allowed_velocity(lines, projected, count, limit, x, z)
+        else:
+            cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
+            x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
+            share = headway_share(persons, person, nearest, count, x, z)
+            x, z = share * x, share * z
+    _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
+    person.wanted_sidestep[0], person.wanted_sidestep[1] = x - alone_x, z - alone_z
 
 
 @compiled
 def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float) -> float:
     """Return how much the nearest people walk across the way of a walker, 0 to 1."""
-    across, total, speed = 0.0, 1e-9, max(math.hypot(x, z), 1e-9)
+    across, total, speed = 0.0, 1e-9, max(hypotenuse(x, z), 1e-9)
     for k in range(count):
         v = persons[nearest[k]].velocity
         across += abs(v[0] * z - v[1] * x) / speed
-        total += math.hypot(v[0], v[1])
+        total += hypotenuse(v[0], v[1])
     return across / total
 
 
@@ -233,7 +272,7 @@ def _forbid(
     if other.posture == SITTING:
         space *= SITTING_SPACE
     # Nobody would arrive within the space of a person that stays there.
-    beside = math.hypot(one.goal[0] - other.at[0], one.goal[1] - other.at[1])
+    beside = hypotenuse(one.goal[0] - other.at[0], one.goal[1] - other.at[1])
     beside = min(max(beside, one.stop_distance), one.neighbour_distance)
     tight = 0.5 * TIGHT_SPACE * (one.height + other.height)
     tight = min(tight, BESIDE * one.neighbour_distance)
@@ -242,7 +281,7 @@ def _forbid(
     width = keeps_groups * (one.group_width + other.group_width)
     if width > 0.0 and not walks_with(one, other):
         row_x, row_z = rows_apart(one, other)
-        if math.hypot(row_x, row_z) > space + width:
+        if hypotenuse(row_x, row_z) > space + width:
             x, z, space = row_x, row_z, space + width
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
@@ -253,12 +292,12 @@ def _forbid(
     is_beside = one.neighbour_distance < math.inf
     if one.impatience > 0.0 or is_beside:
         # It will not go beyond its goal, least of all one that takes a place beside others.
-        left = math.hypot(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
-        arrival = left / max(math.hypot(wanted_x, wanted_z), 1e-9)
+        left = hypotenuse(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
+        arrival = left / max(hypotenuse(wanted_x, wanted_z), 1e-9)
         shortest = min(max(arrival, PARTING_TIME), SQUEEZING_HORIZON)
         horizon += (1.0 if is_beside else one.impatience) * (shortest - HORIZON)
     wx, wz = vx - x / horizon, vz - z / horizon
-    size, along = math.hypot(wx, wz), wx * x + wz * z
+    size, along = hypotenuse(wx, wz), wx * x + wz * z
     if is_apart and (along >= 0.0 or along * along <= space * space * size * size):
         # A side of the cone of all velocities that meet: the nearer, if it is not about the same.
         leg = math.sqrt(square - space * space)

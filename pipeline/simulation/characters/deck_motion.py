@@ -24,6 +24,7 @@ from pipeline.simulation.dynamics.terrain_grid import surface_at
 from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
+    hypotenuse,
     inverse_turned,
     minus,
     plus,
@@ -40,6 +41,7 @@ HIGHEST_STEP = 0.6  # up to a deck, in leg lengths
 STEEPEST_DECK = 0.7  # least cosine of the angle of its normal to the vertical
 INSIDE_MARGIN, OUTSIDE_MARGIN = 0.5, 0.45  # of ankles from the edge of a deck, in foot lengths
 NARROW_DECK = 0.8  # of the half extent of a deck, beyond which its margin does not go
+LEAST_SHARE = 1e-3  # of the weight on a deck that the deck carries along
 WEIGHT_RATE = 9.0  # at which weight goes to a foot on the other surface [1/s]
 
 
@@ -106,7 +108,7 @@ def _deck_at(person: Record, x: float, z: float) -> tuple[float, float, Vector]:
     local = inverse_turned(axes, minus((x, y, z), middle))
     half = person.deck_half
     if person.deck_is_round:
-        size = max(math.hypot(local[0], local[2]), 1e-9)
+        size = max(hypotenuse(local[0], local[2]), 1e-9)
         return y, half[0] - size, turned(axes, (local[0] / size, 0.0, local[2] / size))
     along, across = half[0] - abs(local[0]), half[1] - abs(local[2])
     if along < across:
@@ -115,8 +117,19 @@ def _deck_at(person: Record, x: float, z: float) -> tuple[float, float, Vector]:
 
 
 @compiled
+def rides_deck(person: Record) -> bool:
+    """Tell whether a deck carries a person, or will when a foot comes down."""
+    if person.deck == NOBODY:
+        return False
+    feet = 0
+    for k in range(2):
+        feet += person.stance_on_deck[k] + person.liftoff_on_deck[k] + person.landing_on_deck[k]
+    return bool(feet > 0 or person.deck_share > LEAST_SHARE)
+
+
+@compiled
 def follow_deck(person: Record, nodes: Records, owners: Records, solids: Solids, h: float) -> None:
-    """Carry a person along with its deck, for a sub-step of `h` [s]."""
+    """Carry a person along with its deck, which has moved for `h` [s]."""
     person.carry_velocity[0] = person.carry_velocity[1] = person.carry_turn = 0.0
     if person.deck == NOBODY:
         person.known_deck, person.deck_share = NOBODY, 0.0
@@ -166,7 +179,7 @@ def _deck_pose(
         c, s = math.cos(angle), math.sin(angle)
         u, v = nodes[first + 2 + k].p[0] - centre[0], nodes[first + 2 + k].p[2] - centre[2]
         x, z = x + c * u - s * v, z + s * u + c * v
-    size = max(math.hypot(x, z), 1e-9)
+    size = max(hypotenuse(x, z), 1e-9)
     c, s = x / size, z / size
     return ((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c)), plus(centre, place)
 

@@ -15,6 +15,7 @@ import math
 from pipeline.simulation.characters.person_record import HIP, STANDING_DUTY, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.vectors import hypotenuse
 
 
 @compiled
@@ -112,7 +113,7 @@ def leg_length(person: Record) -> float:
 @compiled
 def ground_speed(person: Record) -> float:
     """Return the speed over the ground [m/s]."""
-    return math.hypot(person.velocity[0], person.velocity[1])
+    return hypotenuse(person.velocity[0], person.velocity[1])
 
 
 @compiled

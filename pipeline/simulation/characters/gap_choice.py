@@ -27,6 +27,7 @@ from pipeline.simulation.dynamics.compiled import (
     compiled,
     inlined,
 )
+from pipeline.simulation.dynamics.vectors import hypotenuse
 
 SIGHT = 6.0  # distance ahead up to which gaps are judged [m]
 CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
@@ -39,8 +40,8 @@ GAP = 0.42  # between the middles of two people, in heights
 STANDING_GAP = 0.36  # the same, where the other stands
 HABIT = 0.85  # cost of the direction nearest to the one taken before, relative to others
 RIGHT_SIDE = 0.02  # part of its cost by which a direction to the right is better
-TURNING = 0.03  # share of the way to a new direction that is taken in a step
-COMMON_WAY = 0.1  # share of the way to the direction of its group that is taken in a step
+TURNING = 0.115  # share of the way to a new direction that is taken in a look
+COMMON_WAY = 0.34  # share of the way to the direction of its group that is taken in a look
 MOST_SEEN = 24
 
 
@@ -68,13 +69,13 @@ def head_for_gap(
         z: of the same.
     """
     person = persons[order[n]]
-    speed = math.hypot(x, z)
+    speed = hypotenuse(x, z)
     count = 0
     if speed > 0.1:
         count = _people_ahead(persons, order, n, near, seen, x / speed, z / speed)
     angle = 0.0
     if count >= CROWD:
-        left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
+        left = hypotenuse(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
         angle = _best_direction(persons, person, seen, count, x, z, speed, min(left, SIGHT))
     person.detour += TURNING * (angle - person.detour)
     if person.group_size > 1:
@@ -118,7 +119,7 @@ def _best_direction(
     for k in range(len(TURNS)):
         c, s = TURN_COSINES[k], TURN_SINES[k]
         ways[k, 0], ways[k, 1] = c * x - s * z, s * x + c * z
-        ways[k, 2], ways[k, 3] = math.hypot(ways[k, 0], ways[k, 1]), farthest
+        ways[k, 2], ways[k, 3] = hypotenuse(ways[k, 0], ways[k, 1]), farthest
     for m in range(count):
         other = persons[seen[m]]
         x_off, z_off, room = _room_before(person, other)
@@ -148,7 +149,7 @@ def _room_before(person: Record, other: Record) -> tuple[float, float, float]:
     width = person.group_width + other.group_width
     if width > 0.0:
         row_x, row_z = rows_apart(person, other)
-        if math.hypot(row_x, row_z) > gap + width:
+        if hypotenuse(row_x, row_z) > gap + width:
             x, z, gap = row_x, row_z, gap + width
     square = x * x + z * z
     gap = min(gap, 0.95 * math.sqrt(square))

@@ -23,7 +23,7 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.vectors import Vector
+from pipeline.simulation.dynamics.vectors import Vector, hypotenuse
 
 # What is a hurdle. Lengths in leg lengths.
 LEAST_RISE, HIGHEST_HURDLE = 0.035, 0.4  # above the ground; feet clear what is lower
@@ -106,7 +106,7 @@ def _may_catch(person: Record, solid: Record) -> bool:
     """Tell whether a solid is low and lies still."""
     if not solid.is_present or not _is_low(person, solid.low[1], solid.high[1]):
         return False
-    moves = math.hypot(solid.v[0], solid.v[2]) > STILL_SPEED
+    moves = hypotenuse(solid.v[0], solid.v[2]) > STILL_SPEED
     return not (moves or _is_acted_on(person, SOLID - solid.thing))
 
 
@@ -154,7 +154,7 @@ def _outside(person: Record, x: float, z: float, low: Record, high: Record) -> f
     """Return the distance of a person from a bounding box on the ground [m]."""
     away_x = max(abs(person.at[0] - x) - 0.5 * (high[0] - low[0]), 0.0)
     away_z = max(abs(person.at[1] - z) - 0.5 * (high[2] - low[2]), 0.0)
-    return math.hypot(away_x, away_z)
+    return hypotenuse(away_x, away_z)
 
 
 @compiled
@@ -165,7 +165,7 @@ def _shadow_of_solid(solid: Record) -> tuple[float, float, float, float]:
     longest, c, s = 0.0, 1.0, 0.0
     for k in range(3):
         x, z = solid.R[0, k] * solid.half[k], solid.R[2, k] * solid.half[k]
-        size = math.hypot(x, z)
+        size = hypotenuse(x, z)
         if size > longest:
             longest, c, s = size, x / size, z / size
     along = across = 0.0
@@ -227,7 +227,7 @@ def _distance(person: Record, middle: Middle, along: float, across: float) -> fl
     if along > WIDEST_HURDLE * leg or across > WIDEST_HURDLE * leg:
         return 1e9
     u, v = _coordinates(middle, person.at[0], person.at[1])
-    gap = math.hypot(max(abs(u) - along, 0.0), max(abs(v) - across, 0.0))
+    gap = hypotenuse(max(abs(u) - along, 0.0), max(abs(v) - across, 0.0))
     speed = ground_speed(person)
     if gap > 0.0 and speed > 1e-6:
         # How far ahead its nearest place is.
@@ -282,7 +282,7 @@ def _look(person: Record, dt: float) -> None:
     x, z = near_u * middle[2] - near_v * middle[3], near_u * middle[3] + near_v * middle[2]
     bearing = abs(wrap_angle(math.atan2(-z, x) - person.gaze[0]))
     # A person that has come up to it looks beyond it.
-    is_in_view = bearing < HALF_VIEW and math.hypot(x, z) > TOO_NEAR * leg_length(person)
+    is_in_view = bearing < HALF_VIEW and hypotenuse(x, z) > TOO_NEAR * leg_length(person)
     hurries = run_blend(ground_speed(person), leg_length(person)) > 0.5
     if is_in_view and not hurries:
         person.hurdle_time += dt
@@ -293,7 +293,7 @@ def _look(person: Record, dt: float) -> None:
 def hurdle_depth(person: Record) -> float:
     """Return the depth of the hurdle along the way of a person [m]."""
     x, z = person.velocity[0], person.velocity[1]
-    size = math.hypot(x, z)
+    size = hypotenuse(x, z)
     if size < 1e-6:
         x, z, size = math.cos(person.heading), -math.sin(person.heading), 1.0
     c, s = person.hurdle_middle[2], person.hurdle_middle[3]
@@ -337,7 +337,7 @@ def hurdle_gap(person: Record, x: float, z: float) -> float:
     u, v = _coordinates(middle, x, z)
     u, v = abs(u) - person.hurdle_half[0], abs(v) - person.hurdle_half[1]
     if u > 0.0 and v > 0.0:
-        return math.hypot(u, v)
+        return hypotenuse(u, v)
     return max(u, v)
 
 
@@ -382,7 +382,7 @@ def clear_of_hurdle(
     margin = FOOT_MARGIN * person.foot
     middle_x, middle_z = x + offset * cos, z + offset * sin
     way_x, way_z = person.velocity[0], person.velocity[1]
-    size = math.hypot(way_x, way_z)
+    size = hypotenuse(way_x, way_z)
     if size < 1e-6:
         way_x, way_z, size = cos, sin, 1.0
     way_x, way_z = way_x / size, way_z / size

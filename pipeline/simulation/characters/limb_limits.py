@@ -109,14 +109,20 @@ def _move_of(node: Record) -> Vector:
 
 
 @inlined
-def limit_limbs(nodes: Records, limbs: Records, first: int, count: int) -> None:
-    """Turn limbs back into their cones, or their joints back to where they may point."""
-    trunk, is_known = trunk_of(nodes, limbs[first]), True
+def limit_limbs(nodes: Records, limbs: Records, first: int, count: int) -> bool:
+    """Turn limbs back into their cones, or their joints back to where they may point.
+
+    Returns:
+        Whether any may have moved.
+    """
+    trunk, is_known, any_moved = trunk_of(nodes, limbs[first]), True, False
     for n in range(first, first + count):
         limb = limbs[n]
         if not (is_known and hang_together(limb, limbs[max(n - 1, first)])):
             trunk = trunk_of(nodes, limb)
         is_known = _is_within_limits(nodes, limb, trunk) or not _limit_limb(nodes, limb, trunk)
+        any_moved = any_moved or not is_known
+    return any_moved
 
 
 @inlined

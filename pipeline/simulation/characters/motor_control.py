@@ -1,4 +1,8 @@
-"""Motor control: what people do with their nodes before each sub-step.
+"""Motor control: what people do with their nodes.
+
+Targets are set once a step, and drive the nodes in its sub-steps, in which they go straight from
+where they were to where they will be. On a deck, which moves from sub-step to sub-step, they are
+set in each.
 
 Feet that stand are locked on the ground, swinging feet are given the velocity along their line.
 All other nodes are drawn to their targets by critically damped springs, slackened by blows;
@@ -19,7 +23,7 @@ from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, Char
 from pipeline.simulation.characters.collision_avoidance import slide_feet, stop_before_solids
 from pipeline.simulation.characters.crowd_avoidance import avoid_people
 from pipeline.simulation.characters.dance_posture import hold_dance
-from pipeline.simulation.characters.deck_motion import follow_deck
+from pipeline.simulation.characters.deck_motion import follow_deck, rides_deck
 from pipeline.simulation.characters.gait_timing import (
     froude,
     leg_length,
@@ -53,6 +57,7 @@ from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_che
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid
+from pipeline.simulation.dynamics.vectors import hypotenuse
 
 # Blows slacken muscles.
 STUN_ENERGY = 0.5  # of a blow that leaves muscles quite slack, per kilogram of the body [J/kg]
@@ -62,21 +67,24 @@ IGNORED_KNOCK, FELLING_KNOCK = 0.5, 1.5  # speed of the pelvis against its led v
 
 
 @compiled
-def update_stun(person: Record, nodes: Records, links: Records, owners: Records, dt: float) -> None:
-    """Stun muscles by blows and by knocks off balance, and let them recover."""
+def update_stun(
+    person: Record, nodes: Records, links: Records, owners: Records, h: float, dt: float
+) -> None:
+    """Stun muscles by blows and by knocks off balance, and let them recover for `dt` [s]."""
     person.stun *= max(1.0 - STUN_RECOVERY_RATE * dt, 0.0)
     pelvis = nodes[person.node + PELVIS]
-    x = (pelvis.p[0] - pelvis.previous[0]) / dt - person.velocity[0] - person.carry_velocity[0]
-    z = (pelvis.p[2] - pelvis.previous[2]) / dt - person.velocity[1] - person.carry_velocity[1]
+    x = (pelvis.p[0] - pelvis.previous[0]) / h - person.velocity[0] - person.carry_velocity[0]
+    z = (pelvis.p[2] - pelvis.previous[2]) / h - person.velocity[1] - person.carry_velocity[1]
     if person.sit_blend == 0.0 and not person.frozen:
-        knock = (math.hypot(x, z) - IGNORED_KNOCK) / (FELLING_KNOCK - IGNORED_KNOCK)
+        knock = (hypotenuse(x, z) - IGNORED_KNOCK) / (FELLING_KNOCK - IGNORED_KNOCK)
         person.stun = max(person.stun, min(knock, 1.0))
     owner = owners[person.owner]
     first, count = owner.links[0], owner.links[1]
     for link in range(first, first + count):
         other = links[link].touched_owner
         if (other >= 0 and other != person.owner) or links[link].touched <= SOLID:
-            blow = links[link].energy / (STUN_ENERGY * owner.mass)
+            energy = max(links[link].energy, links[link].blow)
+            blow = energy / (STUN_ENERGY * owner.mass)
             if blow > STUN_THRESHOLD:
                 person.stun = max(person.stun, min(blow, 1.0))
 
@@ -101,7 +109,7 @@ def _way_yaw(person: Record) -> float:
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
     if person.has_facing:
         return person.facing
-    if person.has_goal and math.hypot(x, z) > person.stop_distance + 0.5 * leg_length(person):
+    if person.has_goal and hypotenuse(x, z) > person.stop_distance + 0.5 * leg_length(person):
         return math.atan2(-z, x)
     return person.heading + 0.25 * person.yaw_rate
 
@@ -130,7 +138,7 @@ def _within_view(
     Only speeds above the slowest one matter, in √(g l).
     """
     way = wrap_angle(math.atan2(-velocity[1], velocity[0]) - person.heading)
-    speed = froude(math.hypot(velocity[0], velocity[1]), leg_length(person))
+    speed = froude(hypotenuse(velocity[0], velocity[1]), leg_length(person))
     walking = smoothstep(max(speed - slowest, 0.0) / WALKING_GAZE_FROUDE)
     gaze = wrap_angle(person.gaze[0] - person.heading)
     if abs(way) > STRAIGHT_BACKWARD and way * gaze < 0.0:
@@ -142,15 +150,15 @@ def _within_view(
 
 @compiled
 def turn_head(person: Record, dt: float) -> None:
-    """Turn the head by one sub-step."""
+    """Turn the head for `dt` [s]."""
     yaw, pitch = _way_yaw(person), 0.0
     if person.has_look_target:
         x = person.look_at[0] - person.targets[HEAD, 0]
         y = person.look_at[1] - person.targets[HEAD, 1]
         z = person.look_at[2] - person.targets[HEAD, 2]
-        if math.hypot(x, z) > 1e-6:
+        if hypotenuse(x, z) > 1e-6:
             yaw = math.atan2(-z, x)
-        pitch = math.atan2(y, math.hypot(x, z))
+        pitch = math.atan2(y, hypotenuse(x, z))
     chest = person.heading + person.twist
     aside = wrap_angle(yaw - person.heading)
     # Beyond what neck and shoulders turn together: straight over the shoulder.
@@ -192,22 +200,34 @@ def muscle_rate(k: int) -> float:
 
 
 @compiled
-def drive_nodes(person: Record, nodes: Records, dt: float) -> None:
-    """Act on all nodes of a person for a sub-step."""
+def drive_nodes(person: Record, nodes: Records, part: float, span: float, h: float) -> None:
+    """Act on all nodes of a person for a sub-step.
+
+    Args:
+        person: `PERSON` record.
+        nodes: of all characters; changed.
+        part: of the way of the targets that is gone at the end of the sub-step.
+        span: time in which they go that way [s].
+        h: the sub-step [s].
+    """
+    slackness = 1.0 - (1.0 - STUNNED_STRENGTH) * person.stun
+    targets, before = person.targets, person.previous_targets
+    for k in range(FOOT):
+        node, omega = nodes[person.node + k], muscle_rate(k) * slackness
+        for c in range(3):
+            v, way = (node.p[c] - node.previous[c]) / h, targets[k, c] - before[k, c]
+            offset = before[k, c] + part * way - node.p[c]
+            offset = min(max(offset, -MAX_PULL_DISTANCE), MAX_PULL_DISTANCE)
+            node.acceleration[c] += omega * (omega * offset + 2.0 * (way / span - v))
+        node.acceleration[1] += GRAVITY
+    for k in range(2):
+        _drive_foot(person, nodes, k, part, span, h)
+
+
+@compiled
+def keep_targets(person: Record) -> None:
+    """Let targets be where they were before, from then on."""
     for k in range(NODE_COUNT):
-        node = nodes[person.node + k]
-        if k >= FOOT:
-            _drive_foot(person, nodes, k - FOOT, dt)
-        else:
-            omega = muscle_rate(k) * (1.0 - (1.0 - STUNNED_STRENGTH) * person.stun)
-            for c in range(3):
-                v = (node.p[c] - node.previous[c]) / dt
-                target_velocity = (person.targets[k, c] - person.previous_targets[k, c]) / dt
-                offset = min(
-                    max(person.targets[k, c] - node.p[c], -MAX_PULL_DISTANCE), MAX_PULL_DISTANCE
-                )
-                node.acceleration[c] += omega * (omega * offset + 2.0 * (target_velocity - v))
-            node.acceleration[1] += GRAVITY
         for c in range(3):
             person.previous_targets[k, c] = person.targets[k, c]
 
@@ -221,62 +241,97 @@ def _is_placed(person: Record, node: Record, k: int) -> bool:
 
 
 @compiled
-def _drive_foot(person: Record, nodes: Records, k: int, dt: float) -> None:
+def _drive_foot(person: Record, nodes: Records, k: int, part: float, span: float, h: float) -> None:
     """Lock a stance foot, and send a swinging foot along its line."""
-    node = nodes[person.node + FOOT + k]
+    node, target = nodes[person.node + FOOT + k], person.targets[FOOT + k]
+    before = person.previous_targets[FOOT + k]
     if person.foot_state[k] == STANCE and (node.lock == LOCKED or _is_placed(person, node, k)):
         if node.lock != LOCKED:
             # One that was held up on its way comes to its place without a jerk.
             node.lock = LOCKED
             for c in range(3):
                 person.settling[k, c] += node.p[c] - person.ankles[k, c]
-                person.ankles[k, c] = node.p[c]
+                person.ankles[k, c] = target[c] = before[c] = node.p[c]
         for c in range(3):
-            node.lock_place[c] = person.ankles[k, c]
+            node.lock_place[c] = before[c] + part * (target[c] - before[c])
         return
     node.lock = FREE
     squared = 0.0
     for c in range(3):
-        squared += (person.targets[FOOT + k, c] - person.previous_targets[FOOT + k, c]) ** 2
-    moves = 1.0 if squared < (MAX_FOOT_SPEED * dt) ** 2 else 0.0
+        squared += (target[c] - before[c]) ** 2
+    moves = h / span if squared < (MAX_FOOT_SPEED * span) ** 2 else 0.0
     for c in range(3):
-        step = moves * (person.targets[FOOT + k, c] - person.previous_targets[FOOT + k, c])
-        catch_up = person.targets[FOOT + k, c] - step - node.p[c]
-        catch_up = min(max(catch_up, -CATCH_UP_SPEED * dt), CATCH_UP_SPEED * dt)
+        step = moves * (target[c] - before[c])
+        catch_up = before[c] + part * (target[c] - before[c]) - step - node.p[c]
+        catch_up = min(max(catch_up, -CATCH_UP_SPEED * h), CATCH_UP_SPEED * h)
         node.previous[c] = node.p[c] - step - catch_up
     node.acceleration[1] += GRAVITY
 
 
 @compiled
 def control_people(
-    arrays: CharacterArrays, persons: Records, ground: Grid, solids: Solids, h: float, count: int
+    arrays: CharacterArrays, persons: Records, ground: Grid, solids: Solids, h: float, dt: float
 ) -> None:
-    """Let all people act for a sub-step of `h` [s], one of a number in a step."""
-    nodes, links, _, _, _, _, owners = arrays
-    if len(persons) > 0 and persons[0].report_time == 0.0:
-        avoid_people(persons)
-        notice_hurdles(arrays, persons, solids, count * h)
+    """Set the targets of all people for a step of `dt` [s], whose sub-steps last `h` [s]."""
+    if len(persons) == 0:
+        return
+    avoid_people(persons)
+    notice_hurdles(arrays, persons, solids, dt)
     for i in range(len(persons)):
         person = persons[i]
-        follow_deck(person, nodes, owners, solids, h)
-        update_stun(person, nodes, links, owners, h)
-        recover(person, nodes, h)
-        if person.frozen:
-            halt(person)
-            sway_in_place(person, h)
+        person.follows_closely = rides_deck(person)
+        span = h if person.follows_closely else dt
+        _set_targets(person, arrays, ground, solids, h, span)
+
+
+@compiled
+def drive_people(
+    arrays: CharacterArrays,
+    persons: Records,
+    ground: Grid,
+    solids: Solids,
+    h: float,
+    n: int,
+    count: int,
+) -> None:
+    """Let all people act for the n-th of so many sub-steps `h` [s] of a step."""
+    for i in range(len(persons)):
+        person = persons[i]
+        if person.follows_closely:
+            if n > 0:
+                _set_targets(person, arrays, ground, solids, h, h)
+            drive_nodes(person, arrays.nodes, 1.0, h, h)
+            keep_targets(person)
         else:
-            lead_pelvis(person, nodes, ground, h)
-            stop_before_solids(person, owners[person.owner].mass, solids, h)
-            slide_feet(person, nodes, h)
-            advance_feet(person, ground.frame, ground.vertices, h)
-            catch_feet(person, arrays, solids, h)
-            advance_sitting(person, h)
-            turn_head(person, h)
-            advance_stoop(person, h)
-            hold_trunk(person, nodes, h)
-            hold_legs(person)
-            hold_arms(person, h)
-            hold_dance(person, owners, h)
-        person.report_time += h
-        stretch_chest(person, links, owners)
-        drive_nodes(person, nodes, h)
+            drive_nodes(person, arrays.nodes, (n + 1) / count, count * h, h)
+            if n == count - 1:
+                keep_targets(person)
+
+
+@compiled
+def _set_targets(
+    person: Record, arrays: CharacterArrays, ground: Grid, solids: Solids, h: float, dt: float
+) -> None:
+    """Set the targets of a person's nodes after `dt` [s]; sub-steps last `h` [s]."""
+    nodes, links, _, _, _, _, owners = arrays
+    follow_deck(person, nodes, owners, solids, dt)
+    update_stun(person, nodes, links, owners, h, dt)
+    recover(person, nodes, dt)
+    if person.frozen:
+        halt(person)
+        sway_in_place(person, dt)
+    else:
+        lead_pelvis(person, nodes, ground, h, dt)
+        stop_before_solids(person, owners[person.owner].mass, solids, dt)
+        slide_feet(person, nodes, dt)
+        advance_feet(person, ground.frame, ground.vertices, dt)
+        catch_feet(person, arrays, solids, h)
+        advance_sitting(person, dt)
+        turn_head(person, dt)
+        advance_stoop(person, dt)
+        hold_trunk(person, nodes, dt)
+        hold_legs(person)
+        hold_arms(person, dt)
+        hold_dance(person, owners, dt)
+    person.report_time += dt
+    stretch_chest(person, links, owners)

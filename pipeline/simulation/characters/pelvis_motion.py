@@ -26,6 +26,7 @@ from pipeline.simulation.characters.recovery import is_down
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid
+from pipeline.simulation.dynamics.vectors import hypotenuse
 
 MAX_ACCELERATION = 0.22  # of the legs, in g
 BRAKING_ACCELERATION = 0.08  # before a goal, in g
@@ -48,15 +49,15 @@ SITTING_TIME = 1.5  # to sit down or to stand up [s]
 
 
 @compiled
-def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
-    """Advance the led place by one sub-step."""
+def lead_pelvis(person: Record, nodes: Records, ground: Grid, h: float, dt: float) -> None:
+    """Advance the led place for `dt` [s]; nodes have moved for `h` [s]."""
     wx, wz = _walk_vector(person)
     ease = _slope_slowdown(person, wx, wz, ground) * hurdle_ease(person)
     # Or the steps would be as much longer as they take longer.
     ease /= 1.0 + person.slowing
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
-    _advance_place(person, nodes, wx, wz, dt)
+    _advance_place(person, nodes, wx, wz, h, dt)
     follow_duty_factor(person, dt)
     walking = walk_share(ground_speed(person), leg_length(person))
     walk_target = walking if person.stepping else 0.0
@@ -77,7 +78,7 @@ def halt(person: Record) -> None:
 def goal_velocity(person: Record) -> tuple[float, float]:
     """Return the velocity along x and z at which a person walks to its goal, if alone [m/s]."""
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
-    distance = math.hypot(x, z)
+    distance = hypotenuse(x, z)
     if not person.has_goal or distance <= 1e-9:
         return 0.0, 0.0
     left = max(distance - person.stop_distance, 0.0)
@@ -93,7 +94,7 @@ def goal_velocity(person: Record) -> tuple[float, float]:
 @inlined
 def _way_left(person: Record) -> float:
     """Return the distance to where the goal of a person is reached [m]."""
-    distance = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
+    distance = hypotenuse(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
     return max(distance - person.stop_distance, 0.0)
 
 
@@ -108,7 +109,7 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         wx, wz = wx + person.evasion[0], wz + person.evasion[1]
     if person.posture == SITTING or person.sit_blend > 0.03 or person.frozen or is_down(person):
         wx, wz = 0.0, 0.0
-    speed = math.hypot(wx, wz)
+    speed = hypotenuse(wx, wz)
     if speed > 1e-6 and not person.has_facing:
         # A far turn comes before the walk.
         turn_angle = abs(wrap_angle(math.atan2(-wz, wx) - person.heading))
@@ -126,7 +127,7 @@ def _walk_vector(person: Record) -> tuple[float, float]:
 @compiled
 def faces_away(person: Record, velocity: tuple[float, float]) -> bool:
     """Tell whether a person with a velocity steps back before what it keeps facing."""
-    if not person.has_facing or math.hypot(velocity[0], velocity[1]) < 1e-6:
+    if not person.has_facing or hypotenuse(velocity[0], velocity[1]) < 1e-6:
         return False
     way: float = math.atan2(-velocity[1], velocity[0])
     return abs(wrap_angle(way - person.facing)) > MOST_FACED_AWAY
@@ -154,7 +155,7 @@ def _slope_slowdown(person: Record, wx: float, wz: float, ground: Grid) -> float
 
     Source: Tobler 1993; half as much, for his hikers have a long way to go.
     """
-    speed = math.hypot(wx, wz)
+    speed = hypotenuse(wx, wz)
     if speed < 1e-6:
         return 1.0
     ahead = 0.4 * leg_length(person) / speed
@@ -175,7 +176,7 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     """Turn towards the walking direction or the facing asked for."""
     target = person.heading
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
-    left = math.hypot(x, z)
+    left = hypotenuse(x, z)
     if person.has_facing:
         target = person.facing
     elif person.has_goal and left > max(person.stop_distance, 0.12 * leg_length(person)):
@@ -183,7 +184,7 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
         scale = max(person.pace / left, 1.0)
         target = math.atan2(-scale * z - person.sidestep[1], scale * x + person.sidestep[0])
         target += _turn_to_way(person, target)
-    elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_length(person)):
+    elif hypotenuse(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_length(person)):
         target = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:
         target = person.heading
@@ -200,7 +201,7 @@ def _turn_to_way(person: Record, heading: float) -> float:
     """
     goal_x, goal_z = goal_velocity(person)
     x, z = goal_x + person.sidestep[0], goal_z + person.sidestep[1]
-    speed = math.hypot(x, z)
+    speed = hypotenuse(x, z)
     if speed < SHUFFLE_FROUDE * math.sqrt(GRAVITY * leg_length(person)):
         return 0.0
     turn = wrap_angle(math.atan2(-z, x) - heading)
@@ -210,14 +211,16 @@ def _turn_to_way(person: Record, heading: float) -> float:
 
 
 @compiled
-def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
+def _advance_place(
+    person: Record, nodes: Records, wx: float, wz: float, h: float, dt: float
+) -> None:
     """Move the led place with its velocity, and along with the body."""
     leg, limit = leg_length(person), MAX_ACCELERATION * GRAVITY
     gain_x, gain_z = (
         VELOCITY_GAIN * (wx - person.velocity[0]),
         VELOCITY_GAIN * (wz - person.velocity[1]),
     )
-    size = math.hypot(gain_x, gain_z)
+    size = hypotenuse(gain_x, gain_z)
     if size > limit:
         gain_x, gain_z = gain_x * limit / size, gain_z * limit / size
     person.acceleration[0], person.acceleration[1] = gain_x, gain_z
@@ -231,7 +234,7 @@ def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: flo
         excess = 0.0 if is_sitting else offset - min(max(offset, -free), free)
         # A shoved person moves as fast as the body, not faster.
         shoved = min(abs(excess) / (SHOVED_OFFSET * leg), 1.0)
-        v = (node.p[axis] - node.previous[axis]) / dt - person.carry_velocity[c]
+        v = (node.p[axis] - node.previous[axis]) / h - person.carry_velocity[c]
         acceleration = gain_x if c == 0 else gain_z
         person.velocity[c] += (acceleration + FOLLOW_RATE * shoved * (v - person.velocity[c])) * dt
         shift = FOLLOW_RATE * excess * dt

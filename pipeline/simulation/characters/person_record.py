@@ -153,8 +153,12 @@ PERSON = np.dtype(
         ("detour", "f8"),
         # How much it squeezes through where it gets no further, 0 to 1.
         ("impatience", "f8"),
-        # How far it keeps its arms to the body, where others pass close by, 0 to 1.
+        # How far it keeps its arms to the body, where others pass close by, 0 to 1, and wants to.
         ("arms_in", "f8"),
+        ("arms_wanted_in", "f8"),
+        # Steps since it last looked at others, and the sidestep it then chose [m/s].
+        ("looked", "i8"),
+        ("wanted_sidestep", "f8", 2),
         # Whether it has left a place to make way, and that place, x and z [m].
         ("gave_way", "?"),
         ("post", "f8", 2),
@@ -265,7 +269,9 @@ PERSON = np.dtype(
         ("trips", "i8"),
         # Time since it has fallen, 0 while it is up [s].
         ("down_time", "f8"),
-        # Target places of the nodes [m], now and one sub-step ago.
+        # Whether its targets are set in every sub-step.
+        ("follows_closely", "?"),
+        # Target places of the nodes [m], at the end of a step and at its start.
         ("targets", "f8", (NODE_COUNT, 3)),
         ("previous_targets", "f8", (NODE_COUNT, 3)),
     ],
@@ -295,7 +301,8 @@ def persons_of(
         person = persons[i]
         for name, fraction in _length_fractions(own).items():
             setattr(person, name, fraction * own.height)
-        person.node = first
+        # They take turns.
+        person.node, person.looked = first, i
         person.heading = headings[i]
         person.partner = person.kick_foot = person.deck = person.known_deck = -1
         person.hurdle = person.act_things[:] = person.group = -1

@@ -58,7 +58,7 @@ class Task:
     giver: int = field(default=NOBODY, init=False)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
-        """Command the person for the coming step of `dt` [s]; tell whether the task is done."""
+        """Command the person for the coming `dt` [s]; tell whether the task is done."""
         raise NotImplementedError
 
     def stick(self, reason: str, approach: Approach | None = None) -> None:
@@ -79,6 +79,11 @@ class Task:
         if owner >= 0:
             return controller.view.face(owner)
         return controller.view.state(self.members[0]).face if self.members else None
+
+    @property
+    def interval(self) -> int:
+        """Steps from one command to the next, more than one while commands change slowly."""
+        return 1
 
     @property
     def members(self) -> tuple[str, ...]:

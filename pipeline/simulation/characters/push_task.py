@@ -117,6 +117,11 @@ class PushRound(Task):
     is_done: bool = field(default=False, init=False)
 
     @property
+    def interval(self) -> int:
+        """See `Task`; going round is steady."""
+        return 2 if self.is_at_rim and not self.is_done else 1
+
+    @property
     def wants_slot(self) -> bool:
         """See `Task`; posts are chosen at the rim, wherever they have turned by then."""
         return self.is_at_rim and self.number is None

@@ -18,7 +18,7 @@ RISING_CROUCH, RISING_BOW = 0.6, 0.8  # from which it rises, of the legs; as a t
 
 @compiled
 def recover(person: Record, nodes: Records, h: float) -> None:
-    """Advance the fall and the recovery of a person by a sub-step of `h` [s]."""
+    """Advance the fall and the recovery of a person by `h` [s]."""
     height = nodes[person.node + PELVIS].p[1] - person.floor
     is_low = height < FALLEN_HEIGHT * leg_length(person)
     if person.down_time == 0.0:

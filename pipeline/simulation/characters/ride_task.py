@@ -118,6 +118,11 @@ class RideCarousel(Ride):
         """See `Task`; posts are chosen on the deck, wherever that has turned by then."""
         return self.is_aboard and self.number is None
 
+    @property
+    def interval(self) -> int:
+        """See `Task`; holding on is steady."""
+        return 2 if self.is_there else 1
+
     def slot_distance(self, controller: PersonController) -> float:
         """See `Task`."""
         return controller.ground_distance(carousel_pose(controller.view, self.owner).hub)

@@ -68,6 +68,7 @@ class Grapple(Task):
         drawn: time since the hands are drawn back [s], 0 before.
         struck: time since they strike [s], 0 before.
         has_pushed: whether the momentum has passed over.
+        palm_speed: of the faster palm against the chest in the step before, as they strike [m/s].
         encounter: with the character.
         approach: to it.
     """
@@ -78,6 +79,7 @@ class Grapple(Task):
     drawn: float = 0.0
     struck: float = 0.0
     has_pushed: bool = False
+    palm_speed: float = 0.0
     encounter: Encounter = field(default_factory=Encounter)
     approach: Approach = field(default_factory=Approach)
 
@@ -199,10 +201,14 @@ class Grapple(Task):
             reach = STRETCH * controller.arm / max(float(np.linalg.norm(way)), 1e-6)
             controller.put_hand(k, shoulder + reach * way)
             is_touching |= self._is_at_chest(controller, k)
-        if is_touching and not self.has_pushed:
+        if self.has_pushed:
+            return
+        if is_touching:
             self.has_pushed = True
             controller.touched.append(controller.view.names[self.owner])
             self._push(controller, ahead)
+        # In the next step a chest may have stopped them already.
+        self.palm_speed = self._palm_speed(controller)
 
     def _is_at_chest(self, controller: PersonController, k: int) -> bool:
         """Tell whether a palm is at the trunk of the character."""
@@ -224,13 +230,18 @@ class Grapple(Task):
         ratio = float(masses[own] / masses[other])
         restraint = min(MOST_PUSHED_SPEED / (PUSHING_SPEED * ratio), 1.0)
         speed = PUSHING_SPEED * ratio * restraint
-        chest = int(view.arrays.owners["nodes"][other, 0]) + SHOULDERS
-        hands = [int(person.node) + HAND + k for k in range(2)]
-        fastest = max(view.speed_between(hand, chest) for hand in hands)
+        fastest = max(self.palm_speed, self._palm_speed(controller))
         struck = restraint * min(fastest, STRIKING_SPEED)
         view.push(other, speed * ahead, SLACKENED * speed)
         view.push(own, -UNBRACED * speed / ratio * ahead, 0.0)
         view.strike(other, "chest", own, 0.5 * ARMS_MASS * float(masses[own]) * struck * struck)
+
+    def _palm_speed(self, controller: PersonController) -> float:
+        """Return the speed of the faster palm against the chest [m/s]."""
+        view, person = controller.view, controller.record
+        chest = int(view.arrays.owners["nodes"][self.owner, 0]) + SHOULDERS
+        hands = [int(person.node) + HAND + k for k in range(2)]
+        return max(view.speed_between(hand, chest) for hand in hands)
 
 
 def _lower_hands(controller: PersonController) -> None:

@@ -142,6 +142,8 @@ class TaskDispatcher:
         self._tries, self._asked, self._stood = [0] * count, [0.0] * count, [0.0] * count
         self._usual_paces: list[float | None] = [None] * count
         self._waits = [False] * count
+        # Steps for which a task goes on as it was last commanded.
+        self._resting = [0] * count
         self._reception = HugReception(self)
         self._posed_hands = {name: PosedHands(keys) for name, keys in (poses or {}).items() if keys}
 
@@ -213,7 +215,7 @@ class TaskDispatcher:
         return self._busy
 
     def _set_task(self, k: int, task: Task | None) -> None:
-        self._tasks[k], self._busy = task, None
+        self._tasks[k], self._busy, self._resting[k] = task, None, 0
 
     @property
     def acting(self) -> list[PersonController]:
@@ -268,10 +270,17 @@ class TaskDispatcher:
         self._reception.advance(self._dt)
         givings = joint_tasks.ask_holders(self, self._asked, self._dt)
         self.giving = joint_tasks.stand_to_give(self, givings)
+        looked_at = self._looked_at.tolist()
         self._looked_at[:] = self._gaze.glances
         self._acting = sorted(self._active)
         for k in self._acting:
-            self._command_one(k, self.controllers[k], givings.get(k), time)
+            controller, giving = self.controllers[k], givings.get(k)
+            if controller.parting:
+                controller.part_from_bars(self._dt)
+            if self._rests(k, giving):
+                self._looked_at[k] = looked_at[k]
+            else:
+                self._command_one(k, controller, giving, time)
         look_at_characters(
             *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
             *(self._people, self._looked_at),
@@ -281,12 +290,17 @@ class TaskDispatcher:
                 giving.giver.release(giving.thing)
                 self.end(k)
 
+    def _rests(self, k: int, giving: HandOver | None) -> bool:
+        """Tell whether a person goes on as it was commanded in the step before."""
+        if self._resting[k] == 0 or giving is not None or k in self.suspended:
+            return False
+        self._resting[k] -= 1
+        return True
+
     def _command_one(
         self, k: int, controller: PersonController, giving: HandOver | None, time: float
     ) -> None:
         """Command a person, and see whether it has something to do in the next step."""
-        if controller.parting:
-            controller.part_from_bars(self._dt)
         if self._embraces[controller.owner] >= 0:
             controller.end_distant_embrace()
         if self._tasks[k] is not None:
@@ -322,8 +336,10 @@ class TaskDispatcher:
         """Advance the task of a person, and see to what becomes of it."""
         task = self._tasks[k]
         assert task is not None
-        is_done = task.advance(controller, self._dt)
-        self._stood[k] += 0.0 if controller.record.has_goal else self._dt
+        dt = task.interval * self._dt
+        self._resting[k] = task.interval - 1
+        is_done = task.advance(controller, dt)
+        self._stood[k] += 0.0 if controller.record.has_goal else dt
         if isinstance(task, StepAside):
             if is_done:
                 self._begin_order(k, self._orders[k])
@@ -398,6 +414,7 @@ class TaskDispatcher:
     def _accept(self, k: int, order: Do) -> None:
         controller = self.controllers[k]
         self._active.add(k)
+        self._resting[k] = 0
         controller.record.frozen, controller.record.fearful = order == "freeze", False
         if isinstance(order, SIDE_ORDERS):
             self._accept_aside(k, controller, order)

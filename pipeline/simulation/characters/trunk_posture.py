@@ -47,7 +47,7 @@ from pipeline.simulation.characters.person_record import (
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
+from pipeline.simulation.dynamics.vectors import Vector, hypotenuse, length, minus, put, row
 from pipeline.simulation.people.proportions import SEGMENTS
 
 MAX_LEG_STRETCH = 0.996  # of its length; a quite straight leg cannot be bent
@@ -100,11 +100,12 @@ def trunk_frame(heading: float, lean_x: float, lean_z: float, tilt: float) -> Fr
     right = (right[0] - along * up[0], -along * up[1], right[2] - along * up[2])
     n = 1.0 / math.sqrt(right[0] ** 2 + right[1] ** 2 + right[2] ** 2)
     right = (right[0] * n, right[1] * n, right[2] * n)
-    c, s = math.cos(tilt), math.sin(tilt)
-    right, up = (
-        (c * right[0] + s * up[0], c * right[1] + s * up[1], c * right[2] + s * up[2]),
-        (c * up[0] - s * right[0], c * up[1] - s * right[1], c * up[2] - s * right[2]),
-    )
+    if tilt != 0.0:
+        c, s = math.cos(tilt), math.sin(tilt)
+        right, up = (
+            (c * right[0] + s * up[0], c * right[1] + s * up[1], c * right[2] + s * up[2]),
+            (c * up[0] - s * right[0], c * up[1] - s * right[1], c * up[2] - s * right[2]),
+        )
     ahead = (
         up[1] * right[2] - up[2] * right[1],
         up[2] * right[0] - up[0] * right[2],
@@ -142,22 +143,24 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     sway = SWAY * leg * walking * phase_cosine(person, middle)
     tilt = PELVIS_TILT * walking * phase_cosine(person, middle)
     rotation = -PELVIS_ROTATION * walking * phase_cosine(person, 1.0 - stance)
-    height = _pelvis_height(person, stance, dt)
     aside, ahead = _weight_shift(person, dt)
     sway += SHIFT_ASIDE * leg * aside
     tilt += SHIFT_TILT * aside
     c, s = math.cos(person.heading), math.sin(person.heading)
     backward = backward_shift(person) - SHIFT_AHEAD * leg * ahead
-    pelvis = (
-        person.at[0] + sway * s - backward * c,
-        person.floor + height,
-        person.at[1] + sway * c + backward * s,
-    )
+    x, z = person.at[0] + sway * s - backward * c, person.at[1] + sway * c + backward * s
+    pelvis = (x, person.targets[PELVIS, 1], z)
     put(person.targets, PELVIS, pelvis)
     frame = trunk_frame(person.heading + rotation, 0.0, 0.0, tilt)
     for k in range(2):
         side = person.hips if k == 1 else -person.hips
         put(person.targets, HIP + k, place_in_world(pelvis, frame, 0.0, 0.0, side))
+    # As high as legs reach from where the hips are now.
+    rise = person.floor + _pelvis_height(person, stance, dt) - pelvis[1]
+    pelvis = (x, pelvis[1] + rise, z)
+    put(person.targets, PELVIS, pelvis)
+    for k in range(2):
+        person.targets[HIP + k, 1] += rise
     _lean(person, nodes, dt)
     _hold_chest(person, pelvis, rotation, dt)
 
@@ -214,7 +217,7 @@ def sway_in_place(person: Record, dt: float) -> None:
 
 @compiled
 def _shift_in_world(person: Record, dt: float) -> tuple[float, float]:
-    """Return x and z of the weight shift of a standing person after a sub-step [m]."""
+    """Return x and z of the weight shift of a standing person after `dt` [s] [m]."""
     aside, ahead = _weight_shift(person, dt)
     aside, ahead = SHIFT_ASIDE * aside, SHIFT_AHEAD * ahead
     leg, c, s = leg_length(person), math.cos(person.heading), math.sin(person.heading)
@@ -359,7 +362,7 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
         )
         along_x -= 1.2 * x / leg
         along_z -= 1.2 * z / leg
-    size = max(math.hypot(along_x, along_z) / MAX_LEAN, 1.0)
+    size = max(hypotenuse(along_x, along_z) / MAX_LEAN, 1.0)
     for c, target in ((0, along_x / size), (1, along_z / size)):
         person.lean[c], person.lean_rate[c] = spring_step(
             person.lean[c], person.lean_rate[c], target, 5.0, dt

@@ -21,6 +21,7 @@ from pipeline.simulation.characters.constraint_projection import (
     finish_grips,
     project_constraints,
     project_grips,
+    unsettle_gripping,
 )
 from pipeline.simulation.characters.contact_response import (
     PARTING_SPEED,
@@ -30,7 +31,7 @@ from pipeline.simulation.characters.contact_response import (
 )
 from pipeline.simulation.characters.limb_limits import begin_recovery
 from pipeline.simulation.characters.link_contacts import may_touch, separate_links
-from pipeline.simulation.characters.motor_control import control_people
+from pipeline.simulation.characters.motor_control import control_people, drive_people
 from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
 from pipeline.simulation.characters.solid_contacts import find_solids, meet_solids
 from pipeline.simulation.characters.terrain_contacts import separate_from_ground
@@ -50,12 +51,18 @@ def integrate(nodes: Records, gravity: float, h: float) -> None:
         gravity: [m/s²].
         h: the sub-step [s].
     """
+    rate, kept = 0.0, 1.0
     for i in range(len(nodes)):
-        _integrate_node(nodes[i], gravity, h)
+        node = nodes[i]
+        # Most nodes have the rate of the one before.
+        own_rate = node.air_damping + max(node.ground_damping, node.contact_damping)
+        if own_rate != rate:
+            rate, kept = own_rate, math.exp(-own_rate * h)
+        _integrate_node(node, gravity, h, kept)
 
 
 @inlined
-def _integrate_node(node: Record, gravity: float, h: float) -> None:
+def _integrate_node(node: Record, gravity: float, h: float, kept: float) -> None:
     p, previous, acceleration = node.p, node.previous, node.acceleration
     for k in range(3):
         node.contact_push[k] = 0.0
@@ -72,7 +79,6 @@ def _integrate_node(node: Record, gravity: float, h: float) -> None:
         node.mobility = 0.0
         return
     node.mobility = node.inverse_mass
-    kept = math.exp(-(node.air_damping + max(node.ground_damping, node.contact_damping)) * h)
     for k in range(3):
         moved = p[k] - previous[k]
         previous[k] = p[k]
@@ -88,14 +94,17 @@ def damp_links(nodes: Records, links: Records, h: float) -> None:
 
     Both take on part of their difference, weighted so that momentum is kept.
     """
+    rate, lost = 0.0, 0.0
     for n in range(len(links)):
         link = links[n]
         if link.damping == 0.0:
             continue
+        if link.damping != rate:
+            rate, lost = link.damping, 1.0 - math.exp(-link.damping * h)
         one, other = nodes[link.ends[0]], nodes[link.ends[1]]
         if one.mobility + other.mobility == 0.0:
             continue
-        part = (1.0 - math.exp(-link.damping * h)) / (one.mobility + other.mobility)
+        part = lost / (one.mobility + other.mobility)
         for k in range(3):
             slip = part * ((one.p[k] - one.previous[k]) - (other.p[k] - other.previous[k]))
             one.previous[k] += one.mobility * slip
@@ -135,11 +144,13 @@ def advance(
     """
     h = dt / count
     log.filled[0] = 0
+    # They feel the blows of the step before.
+    control_people(arrays, persons, grid, workspace.solids, h, dt)
     for n in range(len(arrays.links)):
         arrays.links[n].energy = arrays.links[n].blow
         arrays.links[n].blow = 0.0
     for n in range(count):
-        control_people(arrays, persons, grid, workspace.solids, h, count)
+        drive_people(arrays, persons, grid, workspace.solids, h, n, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
     _update_pain(arrays.links, arrays.owners, dt)
     update_sleep(arrays.nodes, arrays.links, arrays.limbs, arrays.owners, arrays.grips, h, dt)
@@ -166,18 +177,19 @@ def _sub_step(
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)
     solid_count = find_solids(nodes, owners, workspace.solids, h)
-    _activate(owners, False)
+    _activate_awake(owners)
     pair_count = find_link_pairs(nodes, links, owners, own_pairs, near, workspace.pairs)
     pairs = workspace.pairs[:pair_count]
     for n in range(ROUNDS + EXTRA_ROUNDS):
-        if n > 0:
-            _activate(owners, n >= ROUNDS)
+        if n > 0 and not _activate(owners, n >= ROUNDS) and solid_count == 0:
+            break
         # Old overlap is resolved at a constant speed, however many rounds there are.
         slack = PARTING_SPEED * h / ROUNDS if n < ROUNDS else 0.0
         sub_step = SubStep(h, slack, moment)
         for c in range(len(owners)):
             if owners[c].active:
                 project_constraints(nodes, links, middles, limbs, owners[c])
+        unsettle_gripping(nodes, owners, grips)
         project_grips(nodes, grips)
         _separate_pairs(nodes, links, owners, pairs, sub_step, log)
         _meet_boxes(nodes, links, owners, near, sub_step, log)
@@ -187,6 +199,7 @@ def _sub_step(
         for c in range(len(owners)):
             if owners[c].active:
                 separate_from_ground(nodes, links, owners[c], grid, level, sub_step, log)
+    _unsettle_touching(owners)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish_constraints(nodes, links, middles, limbs, owners[c])
@@ -203,18 +216,42 @@ def _separate_pairs(
     log: TouchLog,
 ) -> None:
     for n in range(len(pairs)):
-        a, b = links[pairs[n, 0]], links[pairs[n, 1]]
-        if (owners[a.owner].active or owners[b.owner].active) and may_touch(nodes, a, b):
-            separate_links(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), sub_step, log)
+        if owners[pairs[n, 2]].active or owners[pairs[n, 3]].active:
+            pair = pairs[n, 0], pairs[n, 1]
+            if may_touch(nodes, links[pair[0]], links[pair[1]]):
+                separate_links(nodes, links, owners, pair, sub_step, log)
+
+
+@inlined
+def _activate_awake(owners: Records) -> None:
+    """Activate characters that are awake; none is settled yet."""
+    for c in range(len(owners)):
+        owners[c].active, owners[c].settled = not owners[c].asleep, False
+        owners[c].penetration = 0.0
 
 
 @compiled
-def _activate(owners: Records, only_deep: bool) -> None:
-    """Activate characters that are awake, or only those of them in deep contacts."""
+def _activate(owners: Records, only_deep: bool) -> bool:
+    """Activate characters that are awake and unsettled, or only those in deep contacts.
+
+    Returns:
+        Whether there are any.
+    """
+    _unsettle_touching(owners)
+    found = False
     for c in range(len(owners)):
         owner = owners[c]
-        owner.active = not owner.asleep and (not only_deep or owner.penetration > DEEP_CONTACT)
-        owner.penetration = 0.0
+        is_deep = owner.penetration > DEEP_CONTACT
+        owner.active = not (owner.asleep or owner.settled) and (not only_deep or is_deep)
+        owner.penetration, found = 0.0, found or owner.active
+    return found
+
+
+@inlined
+def _unsettle_touching(owners: Records) -> None:
+    """Let characters that something has moved be no longer settled."""
+    for c in range(len(owners)):
+        owners[c].settled = owners[c].settled and owners[c].penetration == 0.0
 
 
 @compiled

@@ -54,6 +54,12 @@ def length(a: Vector) -> float:
 
 
 @compiled
+def hypotenuse(x: float, y: float) -> float:
+    """Returns √(x² + y²), more quickly than `math.hypot`, which heeds overflows."""
+    return math.sqrt(x * x + y * y)
+
+
+@compiled
 def row(values: Array, i: int) -> Vector:
     """Returns row i of an array (n, 3)."""
     return (values[i, 0], values[i, 1], values[i, 2])

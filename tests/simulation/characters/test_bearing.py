@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.motor_control import MAX_HEAD_SPEED, MAX_WALKING_GAZE_YAW
+from pipeline.simulation.characters.person_record import FOOT, HIP, STANCE
 from pipeline.simulation.spatial import Array
-from tests.simulation.characters.scripted_people import STEPS, Play, play_scene
+from tests.simulation.characters.scripted_people import STEPS, Play, play_scene, walk
 
 pytestmark = pytest.mark.slow
 
@@ -136,3 +137,21 @@ def test_feet_turn_with_the_pelvis_without_a_flip() -> None:
     lag = np.unwrap(yaw, axis=0) - np.unwrap(heading)[:, None]
     # Both feet end up as the pelvis does, not a whole turn away from it.
     assert np.abs(lag[-1] - lag[0]).max() < 1.0
+
+
+@pytest.mark.parametrize(("kind", "speed"), [("adult", 1.4), ("child", 1.1)])
+def test_a_walkers_hips_stay_as_low_as_its_standing_legs_reach(kind: str, speed: float) -> None:
+    persons = walk(kind, speed).records[:, 0]
+    ways = persons["targets"][:, HIP : HIP + 2] - persons["targets"][:, FOOT : FOOT + 2]
+    stretch = np.linalg.norm(ways, axis=2) / (persons["thigh"] + persons["shin"])[:, None]
+    # Beyond that a knee has no direction to bend in, and springs round.
+    assert stretch[persons["foot_state"] == STANCE].max() < 1.0
+
+
+@pytest.mark.parametrize("speed", [0.8, 1.4, 2.6])
+def test_feet_come_down_at_any_moment_of_a_step(speed: float) -> None:
+    steps = [c for c in walk("adult", speed).contacts if ".foot_" in c.part]
+    times = np.array([c.step + c.fraction for c in steps if c.part.endswith("_l")]) / STEPS
+    assert len(np.unique(np.round([c.fraction for c in steps], 6))) > 2
+    # In a steady walk one is as long after another as the next.
+    assert np.ptp(np.diff(times)[1:-1]) < 0.1 * np.diff(times).mean()

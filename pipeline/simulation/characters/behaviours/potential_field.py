@@ -87,8 +87,8 @@ def steer(
         touching: whether the target is approached closely and not stepped aside for.
     """
     pace = mind.pace if pace is None else pace
-    place = mind.clip_to_terrain(place)
-    x, z = place.tolist()
+    x, z = mind.nearest_on_terrain(*place)
+    place = np.array([x, z])
     at_x, at_z = mind.at.tolist()
     left = max(math.hypot(x - at_x, z - at_z) - stop_distance, 0.0)
     if left < 0.1:

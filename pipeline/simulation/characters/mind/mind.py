@@ -197,10 +197,13 @@ class Mind:
 
     def clip_to_terrain(self, place: Sequence[float] | Array) -> Array:
         """Return the nearest place (2,) that can be walked to."""
+        return np.array(self.nearest_on_terrain(*place))
+
+    def nearest_on_terrain(self, x: float, z: float) -> tuple[float, float]:
+        """Return x and z of the nearest place that can be walked to [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        x, z = place
         m = EDGE_MARGIN
-        return np.array([min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)])
+        return min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)
 
     def record_of(self, owner: int) -> Record | None:
         """Return the record of an acting person, None of another character."""
@@ -229,10 +232,10 @@ class Mind:
     @property
     def obstacles(self) -> NDArray[np.bool_]:
         """(C,) which characters are walked around; what is in its hands is not in its way."""
+        if not self.controller.is_gripping:
+            return self.is_obstacle
         nodes = self.surroundings.view.arrays.nodes
         held = [node for k in range(2) if (node := self.controller.held_node(k)) >= 0]
-        if not held:
-            return self.is_obstacle
         obstacles = self.is_obstacle.copy()
         obstacles[nodes["owner"][held]] = False
         return obstacles

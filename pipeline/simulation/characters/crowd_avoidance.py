@@ -18,9 +18,10 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.characters.arm_clearance import keep_arms_in
+from pipeline.simulation.characters.arm_clearance import keep_arms_in, least_distance
+from pipeline.simulation.characters.barriers import MOST_BARRIERS, find_barriers, forbid_wall, note_passage
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
-from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
+from pipeline.simulation.characters.gap_choice import MOST_SEEN, SIGHT, head_for_gap
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
 from pipeline.simulation.characters.neighbours import (
@@ -31,7 +32,8 @@ from pipeline.simulation.characters.neighbours import (
 )
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
-from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing
+from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing, lag_at_passage
+from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
     keep_together,
@@ -73,6 +75,10 @@ HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
 
+# Of walkers that pass one another: distances, in heights, and relative speeds [m/s].
+CLOSE, FREE_PASSING = 0.3, 0.42
+SLOW_PASSING, FAST_PASSING = 0.5, 2.5
+
 
 def is_in_throng(person: Record) -> bool:
     """Tell whether it is others, rather than things, who keep a walker from getting on."""
@@ -84,15 +90,16 @@ def is_in_throng(person: Record) -> bool:
 
 
 @allocating
-def avoid_people(persons: Records) -> None:
+def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
     """Choose the sidestep of every person, once a step."""
     gather_groups(persons)
     order, near = order_along_x(persons), np.zeros(len(persons), dtype=np.int64)
     nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
     seen = np.zeros(MOST_SEEN, dtype=np.int64)
+    barriers = np.zeros(MOST_BARRIERS, dtype=np.int64)
     # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
-    lines = np.zeros((2 * MOST_NEIGHBOURS, 4))
-    projected = np.zeros((2 * MOST_NEIGHBOURS, 4))
+    lines = np.zeros((MOST_BARRIERS + 2 * MOST_NEIGHBOURS, 4))
+    projected = np.zeros((MOST_BARRIERS + 2 * MOST_NEIGHBOURS, 4))
     for n in range(len(order)):
         person = persons[order[n]]
         if not person.has_goal:
@@ -106,7 +113,20 @@ def avoid_people(persons: Records) -> None:
         wanted_x, wanted_z = alone_x, alone_z
         if person.group_size > 1:
             wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
-        x, z, in_crowd = head_for_gap(persons, order, n, near, seen, wanted_x, wanted_z)
+        found = 0
+        if count > 0:
+            mass = owners[person.owner].mass
+            found = find_barriers(person, mass, solids, SIGHT, barriers)
+        person.has_passage = False
+        if found > 0:
+            note_passage(person, solids, barriers[0], wanted_x, wanted_z)
+        x, z, in_crowd = head_for_gap(
+            persons, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
+        )
+        walls = 0
+        for k in range(found):
+            if forbid_wall(person, solids, barriers[k], lines[walls]):
+                walls += 1
         squeeze = max(person.impatience, 0.0)
         for k in range(count):
             other = persons[nearest[k]]
@@ -115,21 +135,27 @@ def avoid_people(persons: Records) -> None:
             own_space = room - squeeze * (room - tight)
             if walks_with(person, other):
                 own_space = min(own_space, COMPANION_SPACE)
-            lag = 0.0
+            lag, firmness = 0.0, FIRMNESS
             if in_crowd and _shares_way(person, other):
-                lag = lag_at_crossing(person, other)
+                lag = lag_at_passage(person, other)
+                if lag == 0.0:
+                    lag = lag_at_crossing(person, other)
+                else:
+                    firmness = 0.0
             # Bodies keep clear of one another more alike than the space around them.
-            _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
-            _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
+            _forbid(person, other, tight, firmness * lag, 0.0, x, z, lines[walls + k])
+            space_line = lines[walls + count + k]
+            _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, space_line)
         keep_arms_in(persons, person, nearest, count, in_crowd)
         if count > 0:
             limit = QUICKEST * person.pace
             if not in_crowd:
-                x, z = allowed_velocity(lines, projected, count, limit, x, z)
+                x, z = allowed_velocity(lines, projected, walls, count, limit, x, z)
             else:
                 cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
-                x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
+                x, z = velocity_by_braking(lines, projected, walls, count, limit, cost, x, z)
                 share = headway_share(persons, person, nearest, count, x, z)
+                share = min(share, passing_share(persons, person, nearest, count))
                 x, z = share * x, share * z
         _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
@@ -166,6 +192,21 @@ def headway_share(
             # Those at the edge of the lane hinder less.
             limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / (LANE * size)) ** 2, 1e-3))
     return limit / speed
+
+
+@compiled
+def passing_share(persons: Records, person: Record, nearest: Numbers, count: int) -> float:
+    """Return the share of its speed at which a walker passes others without a blow."""
+    share = 1.0
+    for k in range(count):
+        other = persons[nearest[k]]
+        vx, vz = other.velocity[0] - person.velocity[0], other.velocity[1] - person.velocity[1]
+        size, speed = 0.5 * (person.height + other.height), math.hypot(vx, vz)
+        part = (least_distance(person, other) / size - CLOSE) / (FREE_PASSING - CLOSE)
+        if speed > SLOW_PASSING and part < 1.0:
+            most = SLOW_PASSING + max(part, 0.0) * FAST_PASSING
+            share = min(share, most / speed)
+    return share
 
 
 @inlined

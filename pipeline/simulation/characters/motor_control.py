@@ -254,7 +254,7 @@ def control_people(
     """Let all people act for a sub-step of `h` [s], one of a number in a step."""
     nodes, links, _, _, _, _, owners = arrays
     if len(persons) > 0 and persons[0].report_time == 0.0:
-        avoid_people(persons)
+        avoid_people(persons, owners, solids)
         notice_hurdles(arrays, persons, solids, count * h)
     for i in range(len(persons)):
         person = persons[i]

@@ -139,8 +139,8 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
 def test_walkers_in_a_crowd_keep_their_arms_in_before_others_pass_close_by(
     aside: float, in_crowd: bool, kept: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain: Any = arm_clearance._least_distance
-    monkeypatch.setattr(arm_clearance, "_least_distance", plain.py_func)
+    plain: Any = arm_clearance.least_distance
+    monkeypatch.setattr(arm_clearance, "least_distance", plain.py_func)
     monkeypatch.setattr(arm_clearance, "walks_with", lambda *_: False)
     two = zero_records(2, PERSON)
     two["height"] = 1.7

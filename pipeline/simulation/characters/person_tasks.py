@@ -224,11 +224,10 @@ def walking_failure(
     person = controller.record
     if person.frozen or person.sit_blend > 0.0 or person.group_wait > 0.0:
         return ""
-    if is_in_throng(person):
-        # Others go on sooner or later.
-        blocked_time, vain_time = THRONG_TIME, THRONG_TIME
-    else:
-        blocked_time, vain_time = BLOCKED_TIME, VAIN_TIME
+    # Others go on sooner or later.
+    progress.free_time = 0.0 if is_in_throng(person) else progress.free_time + dt
+    blocked_time = BLOCKED_TIME if progress.free_time > BLOCKED_TIME else THRONG_TIME
+    vain_time = VAIN_TIME if progress.free_time > BLOCKED_TIME else THRONG_TIME
     if progress.update(left, dt, person.at) > blocked_time:
         return f"the way is blocked at {place_text(controller)}, {left:.1f} m from it"
     if progress.idle_time > vain_time:

@@ -171,7 +171,8 @@ def way_across_rim(
 def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]) -> Array | None:
     """Return the next place (2,) of a person that leaves a merry-go-round for a goal (2,) [m].
 
-    Pushers see that it wants to get off, and slow down. It is None for one that stands on none, or whose goal is on it.
+    Pushers see that it wants to get off, and slow down. It is None for one that stands on none, or
+    whose goal is on it.
     """
     person = controller.record
     if person.deck < 0 or person.deck_share == 0.0:

@@ -6,7 +6,8 @@ walker makes all of it. Within all half planes, the velocity nearest to the want
 a throng where there is none, it keeps clear of their bodies and offends least against the space
 around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
 walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
-step aside. Others are visited in order along x, so that a crowd costs little more than a few.
+step aside; they pass one another the more slowly the closer, and heed walls. Others are visited in
+order along x, so that a crowd costs little more than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -19,7 +20,12 @@ import math
 import numpy as np
 
 from pipeline.simulation.characters.arm_clearance import keep_arms_in, least_distance
-from pipeline.simulation.characters.barriers import MOST_BARRIERS, find_barriers, forbid_wall, note_passage
+from pipeline.simulation.characters.barriers import (
+    MOST_BARRIERS,
+    find_barriers,
+    forbid_wall,
+    note_passage,
+)
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, SIGHT, head_for_gap
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
@@ -74,6 +80,7 @@ MORE_SIDESTEP_COST = 1.0
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
+SAME_WAY = 0.5  # part of its speed at which others go ahead of a walker outside a crowd
 
 # Of walkers that pass one another: distances, in heights, and relative speeds [m/s].
 CLOSE, FREE_PASSING = 0.3, 0.42
@@ -107,7 +114,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
             keep_arms_in(persons, person, nearest, 0, False)
             make_way(persons, order, n, near)
             continue
-        person.gave_way = False
+        person.gave_way = person.has_passage = False
         count = _find_nearest(persons, order, n, near, nearest)
         alone_x, alone_z = goal_velocity(person)
         wanted_x, wanted_z = alone_x, alone_z
@@ -115,51 +122,96 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
             wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
         found = 0
         if count > 0:
-            mass = owners[person.owner].mass
-            found = find_barriers(person, mass, solids, SIGHT, barriers)
-        person.has_passage = False
-        if found > 0:
-            note_passage(person, solids, barriers[0], wanted_x, wanted_z)
+            found = _find_walls(owners, person, solids, barriers, wanted_x, wanted_z)
         x, z, in_crowd = head_for_gap(
             persons, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
         )
-        walls = 0
-        for k in range(found):
-            if forbid_wall(person, solids, barriers[k], lines[walls]):
-                walls += 1
-        squeeze = max(person.impatience, 0.0)
-        for k in range(count):
-            other = persons[nearest[k]]
-            tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
-            room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
-            own_space = room - squeeze * (room - tight)
-            if walks_with(person, other):
-                own_space = min(own_space, COMPANION_SPACE)
-            lag, firmness = 0.0, FIRMNESS
-            if in_crowd and _shares_way(person, other):
-                lag = lag_at_passage(person, other)
-                if lag == 0.0:
-                    lag = lag_at_crossing(person, other)
-                else:
-                    firmness = 0.0
-            # Bodies keep clear of one another more alike than the space around them.
-            _forbid(person, other, tight, firmness * lag, 0.0, x, z, lines[walls + k])
-            space_line = lines[walls + count + k]
-            _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, space_line)
         keep_arms_in(persons, person, nearest, count, in_crowd)
         if count > 0:
-            limit = QUICKEST * person.pace
-            if not in_crowd:
-                x, z = allowed_velocity(lines, projected, walls, count, limit, x, z)
-            else:
-                cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
-                x, z = velocity_by_braking(lines, projected, walls, count, limit, cost, x, z)
-                share = headway_share(persons, person, nearest, count, x, z)
-                share = min(share, passing_share(persons, person, nearest, count))
-                x, z = share * x, share * z
+            walls = 0
+            for k in range(found):
+                if forbid_wall(person, solids, barriers[k], lines[walls]):
+                    walls += 1
+            _forbid_people(persons, person, nearest[:count], in_crowd, x, z, lines[walls:])
+            x, z = _choose_velocity(
+                persons, person, nearest, count, in_crowd, x, z, walls, lines, projected
+            )
         _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
         person.sidestep[0] += SMOOTHING * (x - alone_x - person.sidestep[0])
         person.sidestep[1] += SMOOTHING * (z - alone_z - person.sidestep[1])
+
+
+@allocating
+def _find_walls(
+    owners: Records, person: Record, solids: Solids, barriers: Numbers, x: float, z: float
+) -> int:
+    """Write the numbers of the walls beside a walker that goes along x and z; return how many."""
+    found = find_barriers(person, owners[person.owner].mass, solids, SIGHT, barriers)
+    if found > 0:
+        note_passage(person, solids, barriers[0], x, z)
+    return found
+
+
+@compiled
+def _forbid_people(
+    persons: Records,
+    person: Record,
+    nearest: Numbers,
+    in_crowd: bool,
+    x: float,
+    z: float,
+    lines: Array,
+) -> None:
+    """Write the lines of velocities at which a walker meets the nearest people.
+
+    First those of their bodies, then those of the space around them.
+    """
+    squeeze = max(person.impatience, 0.0)
+    for k in range(len(nearest)):
+        other = persons[nearest[k]]
+        tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
+        room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
+        own_space = room - squeeze * (room - tight)
+        if walks_with(person, other):
+            own_space = min(own_space, COMPANION_SPACE)
+        lag, firmness = 0.0, FIRMNESS
+        if in_crowd and _shares_way(person, other):
+            lag = lag_at_passage(person, other)
+            if lag == 0.0:
+                lag = lag_at_crossing(person, other)
+            else:
+                # Between walls there is no room to evade one that does not.
+                firmness = 0.0
+        # Bodies keep clear of one another more alike than the space around them.
+        _forbid(person, other, tight, firmness * lag, 0.0, x, z, lines[k])
+        space_line = lines[len(nearest) + k]
+        _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, space_line)
+
+
+@compiled
+def _choose_velocity(
+    persons: Records,
+    person: Record,
+    nearest: Numbers,
+    count: int,
+    in_crowd: bool,
+    x: float,
+    z: float,
+    walls: int,
+    lines: Array,
+    projected: Array,
+) -> tuple[float, float]:
+    """Return the allowed velocity nearest to a wanted one, as fast as others let it be."""
+    limit = QUICKEST * person.pace
+    if not in_crowd:
+        x, z = allowed_velocity(lines, projected, walls, count, limit, x, z)
+        share = headway_share(persons, person, nearest, count, x, z, False)
+    else:
+        cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
+        x, z = velocity_by_braking(lines, projected, walls, count, limit, cost, x, z)
+        share = headway_share(persons, person, nearest, count, x, z)
+        share = min(share, passing_share(persons, person, nearest, count))
+    return share * x, share * z
 
 
 @compiled
@@ -175,15 +227,28 @@ def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float
 
 @compiled
 def headway_share(
-    persons: Records, person: Record, nearest: Numbers, count: int, x: float, z: float
+    persons: Records,
+    person: Record,
+    nearest: Numbers,
+    count: int,
+    x: float,
+    z: float,
+    in_crowd: bool = True,
 ) -> float:
-    """Return the share of a velocity at which a walker treads on nobody's heels."""
+    """Return the share of a velocity at which a walker treads on nobody's heels.
+
+    Outside a crowd it overtakes those who stand or come towards it.
+    """
     speed = math.hypot(x, z)
     if speed < 1e-9:
         return 1.0
     limit = speed
     for k in range(count):
         other = persons[nearest[k]]
+        if not in_crowd:
+            along = (other.velocity[0] * x + other.velocity[1] * z) / speed
+            if along < SAME_WAY * speed or walks_with(person, other):
+                continue
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         size = 0.5 * (person.height + other.height)
         ahead, aside = (dx * x + dz * z) / speed, abs(dz * x - dx * z) / speed

@@ -197,6 +197,7 @@ def take_route(
         middles = np.concatenate([middles, circle[0][None]])
         radii = np.append(radii, circle[1])
     if not len(radii):
+        person.goal[:] = goal
         return math.dist(person.at, goal)
     reaches = radii + controller.body_radius
     bounds, at = np.stack(controller.view.edges), np.array(person.at)

@@ -214,13 +214,3 @@ def test_who_comes_out_of_a_passage_goes_before_those_who_go_in() -> None:
     two["has_passage"] = True
     assert plain.py_func(two[0], two[1]) == pytest.approx(-0.9)
     assert plain.py_func(two[1], two[0]) == pytest.approx(0.9)
-
-
-def test_who_comes_out_of_a_passage_goes_before_those_who_go_in() -> None:
-    plain: Any = lag_at_passage
-    two = zero_records(2, PERSON)
-    two["passage"] = -0.4, 0.5
-    assert plain.py_func(two[0], two[1]) == 0.0
-    two["has_passage"] = True
-    assert plain.py_func(two[0], two[1]) == pytest.approx(-0.9)
-    assert plain.py_func(two[1], two[0]) == pytest.approx(0.9)

@@ -34,13 +34,13 @@ def keep_arms_in(
         other = persons[nearest[k]]
         if not walks_with(person, other):
             size = 0.5 * (person.height + other.height)
-            near = _least_distance(person, other) / size
+            near = least_distance(person, other) / size
             kept = max(kept, (FREE - near) / (FREE - KEPT))
     person.arms_wanted_in = min(kept, 1.0)
 
 
 @compiled
-def _least_distance(person: Record, other: Record) -> float:
+def least_distance(person: Record, other: Record) -> float:
     """Return the least distance of two people within the time they look ahead [m]."""
     x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
     vx, vz = other.velocity[0] - person.velocity[0], other.velocity[1] - person.velocity[1]

@@ -171,7 +171,8 @@ def way_across_rim(
 def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]) -> Array | None:
     """Return the next place (2,) of a person that leaves a merry-go-round for a goal (2,) [m].
 
-    It is None for one that stands on none, or whose goal is on it.
+    Pushers see that it wants to get off, and slow down. It is None for one that stands on none, or
+    whose goal is on it.
     """
     person = controller.record
     if person.deck < 0 or person.deck_share == 0.0:
@@ -180,6 +181,7 @@ def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]
     distance = math.dist(goal, carousel.hub[[0, 2]])
     if distance < carousel.radius:
         return None
+    controller.view.decks.leaving[int(person.deck)].add(int(person.owner))
     gap = carousel.gap_angle(carousel.angle_of(*person.at))
     way = way_across_rim(controller, carousel, gap, distance)
     return None if way is None else way[[0, 2]]

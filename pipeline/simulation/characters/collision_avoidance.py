@@ -42,7 +42,7 @@ def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) ->
             continue
         if solid.is_present and _is_near(person, solid):
             _limit_approach(person, mass, solids, s)
-            if _obstruction(solid, mass) > 0.0:
+            if obstruction(solid, mass) > 0.0:
                 _clear_feet(person, solids, s, h)
 
 
@@ -69,7 +69,7 @@ def _is_near(person: Record, solid: Record) -> bool:
 
 
 @inlined
-def _obstruction(solid: Record, mass: float) -> float:
+def obstruction(solid: Record, mass: float) -> float:
     """Return the fraction of a person's velocity into a solid that it stops, 0 to 1."""
     if solid.inverse_mass == 0.0:
         return 1.0
@@ -79,8 +79,8 @@ def _obstruction(solid: Record, mass: float) -> float:
 
 @compiled
 def _limit_approach(person: Record, mass: float, solids: Solids, s: int) -> None:
-    solid, obstruction = solids.bodies[s], _obstruction(solids.bodies[s], mass)
-    if obstruction == 0.0:
+    solid, share = solids.bodies[s], obstruction(solids.bodies[s], mass)
+    if share == 0.0:
         return
     closest, normal, place = OUT_OF_REACH, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
     for probe in PROBE_LEVELS:
@@ -95,7 +95,7 @@ def _limit_approach(person: Record, mass: float, solids: Solids, s: int) -> None
     v = velocity_at(solid, minus(place, triple(solid.p)))
     towards = (person.velocity[0] - v[0]) * x + (person.velocity[1] - v[2]) * z
     distance = max(closest - STANDOFF * person.height, 0.0)
-    limit = APPROACH_RATE * distance + (1.0 - obstruction) * person.pace
+    limit = APPROACH_RATE * distance + (1.0 - share) * person.pace
     if -towards > limit:
         excess = -towards - limit
         person.velocity[0] += excess * x

@@ -6,8 +6,9 @@ walker makes all of it. Within all half planes, the velocity nearest to the want
 a throng where there is none, it keeps clear of their bodies and offends least against the space
 around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
 walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
-step aside. Others are visited in order along x, so that a crowd costs little more than a few.
-Walkers look at others in turns, a few of them in each step, and keep to what they chose in between.
+step aside; they pass one another the more slowly the closer, and heed walls. Others are visited in
+order along x, so that a crowd costs little more than a few. Walkers look at others in turns, a few
+of them in each step, and keep to what they chose in between.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -19,9 +20,15 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.characters.arm_clearance import keep_arms_in
+from pipeline.simulation.characters.arm_clearance import keep_arms_in, least_distance
+from pipeline.simulation.characters.barriers import (
+    MOST_BARRIERS,
+    find_barriers,
+    forbid_wall,
+    note_passage,
+)
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
-from pipeline.simulation.characters.gap_choice import MOST_SEEN, head_for_gap
+from pipeline.simulation.characters.gap_choice import MOST_SEEN, SIGHT, head_for_gap
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
 from pipeline.simulation.characters.neighbours import (
@@ -32,7 +39,8 @@ from pipeline.simulation.characters.neighbours import (
 )
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
-from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing
+from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing, lag_at_passage
+from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
     keep_together,
@@ -57,7 +65,7 @@ SIGHT_RANGE = 4.5  # [m]
 COMPANION_SPACE = 0.4  # of those who walk together
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
-STANDING_ROOM = 0.38  # around those in a crowd, or nobody would pass between rows that have arrived
+STANDING_ROOM = 0.34  # around those in a crowd, or nobody would pass between rows that have arrived
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
 PATIENCE = 0.4  # of a walker before it squeezes through
 SQUEEZING, CROWD_SQUEEZING = 0.028, 0.012  # change of that in a look; in a crowd
@@ -76,6 +84,11 @@ HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
 ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
+SAME_WAY = 0.5  # part of its speed at which others go ahead of a walker outside a crowd
+
+# Of walkers that pass one another: distances, in heights, and relative speeds [m/s].
+CLOSE, FREE_PASSING = 0.3, 0.42
+SLOW_PASSING, FAST_PASSING = 0.5, 2.5
 
 
 def is_in_throng(person: Record) -> bool:
@@ -88,15 +101,16 @@ def is_in_throng(person: Record) -> bool:
 
 
 @allocating
-def avoid_people(persons: Records) -> None:
+def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
     """Choose the sidestep of every person, once a step."""
     gather_groups(persons)
     order, near = order_along_x(persons), np.zeros(len(persons), dtype=np.int64)
     nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
     seen = np.zeros(MOST_SEEN, dtype=np.int64)
+    barriers = np.zeros(MOST_BARRIERS, dtype=np.int64)
     # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
-    lines = np.zeros((2 * MOST_NEIGHBOURS, 4))
-    projected = np.zeros((2 * MOST_NEIGHBOURS, 4))
+    lines = np.zeros((MOST_BARRIERS + 2 * MOST_NEIGHBOURS, 4))
+    projected = np.zeros((MOST_BARRIERS + 2 * MOST_NEIGHBOURS, 4))
     for n in range(len(order)):
         person = persons[order[n]]
         person.looked = (person.looked + 1) % LOOK_INTERVAL
@@ -109,7 +123,8 @@ def avoid_people(persons: Records) -> None:
             person.gave_way = False
             if person.looked == 0:
                 count = _find_nearest(persons, order, n, near, nearest)
-                _choose_sidestep(persons, order, n, near, seen, nearest, count, lines, projected)
+                rooms = near, seen, barriers, lines, projected
+                _choose_sidestep(persons, owners, solids, order, n, nearest[:count], rooms)
             for c in range(2):
                 change = person.wanted_sidestep[c] - person.sidestep[c]
                 person.sidestep[c] += SMOOTHING * change
@@ -119,60 +134,123 @@ def avoid_people(persons: Records) -> None:
 @allocating
 def _choose_sidestep(
     persons: Records,
+    owners: Records,
+    solids: Solids,
     order: Numbers,
     n: int,
-    near: Numbers,
-    seen: Numbers,
     nearest: Numbers,
-    count: int,
-    lines: Array,
-    projected: Array,
+    rooms: tuple[Numbers, Numbers, Numbers, Array, Array],
 ) -> None:
     """Choose the sidestep of the n-th person in order, who walks.
 
     Args:
         persons: `PERSON` records.
-        order: their numbers along x.
+        owners: `OWNER` records.
+        solids: what stands about.
+        order: numbers of the persons along x.
         n: the person's place in the order.
-        near: room for all people.
-        seen: room for those it sees.
         nearest: numbers of the nearest people.
-        count: how many these are.
-        lines: room for two of each.
-        projected: the same.
+        rooms: for the numbers of all people, of those it sees and of walls, and for the lines of
+            walls and two of each of the nearest, twice.
     """
-    person = persons[order[n]]
+    person, (near, seen, barriers, lines, projected) = persons[order[n]], rooms
+    person.has_passage = False
+    count = len(nearest)
     alone_x, alone_z = goal_velocity(person)
     wanted_x, wanted_z = alone_x, alone_z
     if person.group_size > 1:
         wanted_x, wanted_z = keep_together(persons, person, alone_x, alone_z)
-    x, z, in_crowd = head_for_gap(persons, order, n, near, seen, wanted_x, wanted_z)
+    found = 0
+    if count > 0:
+        found = _find_walls(owners, person, solids, barriers, wanted_x, wanted_z)
+    x, z, in_crowd = head_for_gap(
+        persons, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
+    )
+    keep_arms_in(persons, person, nearest, count, in_crowd)
+    if count > 0:
+        walls = 0
+        for k in range(found):
+            if forbid_wall(person, solids, barriers[k], lines[walls]):
+                walls += 1
+        _forbid_people(persons, person, nearest, in_crowd, x, z, lines[walls:])
+        x, z = _choose_velocity(
+            persons, person, nearest, count, in_crowd, x, z, walls, lines, projected
+        )
+    _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
+    person.wanted_sidestep[0], person.wanted_sidestep[1] = x - alone_x, z - alone_z
+
+
+@allocating
+def _find_walls(
+    owners: Records, person: Record, solids: Solids, barriers: Numbers, x: float, z: float
+) -> int:
+    """Write the numbers of the walls beside a walker that goes along x and z; return how many."""
+    found = find_barriers(person, owners[person.owner].mass, solids, SIGHT, barriers)
+    if found > 0:
+        note_passage(person, solids, barriers[0], x, z)
+    return found
+
+
+@compiled
+def _forbid_people(
+    persons: Records,
+    person: Record,
+    nearest: Numbers,
+    in_crowd: bool,
+    x: float,
+    z: float,
+    lines: Array,
+) -> None:
+    """Write the lines of velocities at which a walker meets the nearest people.
+
+    First those of their bodies, then those of the space around them.
+    """
     squeeze = max(person.impatience, 0.0)
-    for k in range(count):
+    for k in range(len(nearest)):
         other = persons[nearest[k]]
         tight = TIGHT_SPACE if other.has_goal else STANDING_SPACE
         room = PERSONAL_SPACE if other.has_goal or not in_crowd else STANDING_ROOM
         own_space = room - squeeze * (room - tight)
         if walks_with(person, other):
             own_space = min(own_space, COMPANION_SPACE)
-        lag = 0.0
+        lag, firmness = 0.0, FIRMNESS
         if in_crowd and _shares_way(person, other):
-            lag = lag_at_crossing(person, other)
+            lag = lag_at_passage(person, other)
+            if lag == 0.0:
+                lag = lag_at_crossing(person, other)
+            else:
+                # Between walls there is no room to evade one that does not.
+                firmness = 0.0
         # Bodies keep clear of one another more alike than the space around them.
-        _forbid(person, other, tight, FIRMNESS * lag, 0.0, x, z, lines[k])
-        _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, lines[count + k])
-    keep_arms_in(persons, person, nearest, count, in_crowd)
-    if count > 0:
-        limit = QUICKEST * person.pace
-        if not in_crowd:
-            x, z = allowed_velocity(lines, projected, count, limit, x, z)
-        else:
-            cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
-            x, z = velocity_by_braking(lines, projected, count, limit, cost, x, z)
-            share = headway_share(persons, person, nearest, count, x, z)
-            x, z = share * x, share * z
-    _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
-    person.wanted_sidestep[0], person.wanted_sidestep[1] = x - alone_x, z - alone_z
+        _forbid(person, other, tight, firmness * lag, 0.0, x, z, lines[k])
+        space_line = lines[len(nearest) + k]
+        _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, space_line)
+
+
+@compiled
+def _choose_velocity(
+    persons: Records,
+    person: Record,
+    nearest: Numbers,
+    count: int,
+    in_crowd: bool,
+    x: float,
+    z: float,
+    walls: int,
+    lines: Array,
+    projected: Array,
+) -> tuple[float, float]:
+    """Return the allowed velocity nearest to a wanted one, as fast as others let it be."""
+    limit = QUICKEST * person.pace
+    if not in_crowd:
+        x, z = allowed_velocity(lines, projected, walls, count, limit, x, z)
+        share = headway_share(persons, person, nearest, count, x, z, False)
+    else:
+        cost = 1.0 + MORE_SIDESTEP_COST * _crossing(persons, nearest, count, x, z)
+        x, z = velocity_by_braking(lines, projected, walls, count, limit, cost, x, z)
+        share = headway_share(persons, person, nearest, count, x, z)
+        share = min(share, passing_share(persons, person, nearest, count))
+    return share * x, share * z
 
 
 @compiled
@@ -188,15 +266,28 @@ def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float
 
 @compiled
 def headway_share(
-    persons: Records, person: Record, nearest: Numbers, count: int, x: float, z: float
+    persons: Records,
+    person: Record,
+    nearest: Numbers,
+    count: int,
+    x: float,
+    z: float,
+    in_crowd: bool = True,
 ) -> float:
-    """Return the share of a velocity at which a walker treads on nobody's heels."""
+    """Return the share of a velocity at which a walker treads on nobody's heels.
+
+    Outside a crowd it overtakes those who stand or come towards it.
+    """
     speed = math.hypot(x, z)
     if speed < 1e-9:
         return 1.0
     limit = speed
     for k in range(count):
         other = persons[nearest[k]]
+        if not in_crowd:
+            along = (other.velocity[0] * x + other.velocity[1] * z) / speed
+            if along < SAME_WAY * speed or walks_with(person, other):
+                continue
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         size = 0.5 * (person.height + other.height)
         ahead, aside = (dx * x + dz * z) / speed, abs(dz * x - dx * z) / speed
@@ -205,6 +296,21 @@ def headway_share(
             # Those at the edge of the lane hinder less.
             limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / (LANE * size)) ** 2, 1e-3))
     return limit / speed
+
+
+@compiled
+def passing_share(persons: Records, person: Record, nearest: Numbers, count: int) -> float:
+    """Return the share of its speed at which a walker passes others without a blow."""
+    share = 1.0
+    for k in range(count):
+        other = persons[nearest[k]]
+        vx, vz = other.velocity[0] - person.velocity[0], other.velocity[1] - person.velocity[1]
+        size, speed = 0.5 * (person.height + other.height), math.hypot(vx, vz)
+        part = (least_distance(person, other) / size - CLOSE) / (FREE_PASSING - CLOSE)
+        if speed > SLOW_PASSING and part < 1.0:
+            most = SLOW_PASSING + max(part, 0.0) * FAST_PASSING
+            share = min(share, most / speed)
+    return share
 
 
 @inlined

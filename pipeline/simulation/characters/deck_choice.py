@@ -68,6 +68,7 @@ class Decks:
         tracker: of the solids of other rooms.
         carousels: the merry-go-rounds.
         boarding: names of people who are about to step onto each, by its number.
+        leaving: numbers of people on each who want to step off it, by its number.
         poses: of the merry-go-rounds in this step, by their numbers, as far as asked for.
     """
 
@@ -75,6 +76,7 @@ class Decks:
     tracker: SolidTracker = field(default_factory=SolidTracker)
     carousels: Sequence[Carousel] = ()
     boarding: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
+    leaving: dict[int, set[int]] = field(default_factory=lambda: defaultdict(set))
     poses: dict[int, CarouselPose] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -14,7 +14,9 @@ import math
 
 import numpy as np
 
+from pipeline.simulation.characters.barriers import free_way
 from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, insert_nearest
+from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
     rows_apart,
@@ -42,6 +44,7 @@ HABIT = 0.85  # cost of the direction nearest to the one taken before, relative 
 RIGHT_SIDE = 0.02  # part of its cost by which a direction to the right is better
 TURNING = 0.115  # share of the way to a new direction that is taken in a look
 COMMON_WAY = 0.34  # share of the way to the direction of its group that is taken in a look
+EXPECTED_SPEED = 0.4  # of those who are held up [m/s]
 MOST_SEEN = 24
 
 
@@ -52,6 +55,8 @@ def head_for_gap(
     n: int,
     near: Numbers,
     seen: Numbers,
+    walls: Numbers,
+    solids: Solids,
     x: float,
     z: float,
 ) -> tuple[float, float, bool]:
@@ -65,6 +70,8 @@ def head_for_gap(
         n: the person's place in the order.
         near: room for all people.
         seen: room for those it sees.
+        walls: numbers of the solids about it.
+        solids: of other rooms.
         x: of its velocity to the goal [m/s].
         z: of the same.
     """
@@ -76,7 +83,9 @@ def head_for_gap(
     angle = 0.0
     if count >= CROWD:
         left = hypotenuse(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
-        angle = _best_direction(persons, person, seen, count, x, z, speed, min(left, SIGHT))
+        angle = _best_direction(
+            persons, person, seen[:count], walls, solids, x, z, speed, min(left, SIGHT)
+        )
     person.detour += TURNING * (angle - person.detour)
     if person.group_size > 1:
         person.detour += COMMON_WAY * (detour_of_group(persons, person) - person.detour)
@@ -107,7 +116,8 @@ def _best_direction(
     persons: Records,
     person: Record,
     seen: Numbers,
-    count: int,
+    walls: Numbers,
+    solids: Solids,
     x: float,
     z: float,
     speed: float,
@@ -120,10 +130,15 @@ def _best_direction(
         c, s = TURN_COSINES[k], TURN_SINES[k]
         ways[k, 0], ways[k, 1] = c * x - s * z, s * x + c * z
         ways[k, 2], ways[k, 3] = hypotenuse(ways[k, 0], ways[k, 1]), farthest
-    for m in range(count):
-        other = persons[seen[m]]
+    for wall in walls:
+        for k in range(len(TURNS)):
+            size = max(ways[k, 2], 1e-9)
+            free = free_way(person, solids, wall, ways[k, 0] / size, ways[k, 1] / size, farthest)
+            ways[k, 3] = min(ways[k, 3], free)
+    for m in seen:
+        other = persons[m]
         x_off, z_off, room = _room_before(person, other)
-        v_x, v_z = other.velocity[0], other.velocity[1]
+        v_x, v_z = _expected_velocity(other)
         for k in range(len(TURNS)):
             time = _meeting_time(x_off, z_off, room, ways[k, 0] - v_x, ways[k, 1] - v_z)
             ways[k, 3] = min(ways[k, 3], time * ways[k, 2])
@@ -138,6 +153,21 @@ def _best_direction(
         if cost < cheapest:
             best, cheapest = TURNS[k], cost
     return best
+
+
+@inlined
+def _expected_velocity(other: Record) -> tuple[float, float]:
+    """Return the velocity along x and z at which another is expected to go on [m/s].
+
+    One that is held up goes where it wants to as soon as it can.
+    """
+    x, z = other.velocity[0], other.velocity[1]
+    if other.has_goal and not other.frozen:
+        to_x, to_z = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+        far = max(hypotenuse(to_x, to_z), 1e-9)
+        more = max(min(EXPECTED_SPEED, other.pace) - hypotenuse(x, z), 0.0)
+        x, z = x + more * to_x / far, z + more * to_z / far
+    return x, z
 
 
 @inlined

@@ -22,27 +22,39 @@ def _excess(line: Array, x: float, z: float) -> float:
 
 @compiled
 def allowed_velocity(
-    lines: Array, projected: Array, count: int, limit: float, x: float, z: float
+    lines: Array, projected: Array, walls: int, count: int, limit: float, x: float, z: float
 ) -> tuple[float, float]:
     """Return the velocity nearest to a wanted one that all lines allow, or that offends least.
 
     Args:
-        lines: of velocities, `count` that keep clear of bodies, then those of personal space.
+        lines: of velocities, first those of walls, then `count` that keep clear of bodies, then
+            those of personal space.
         projected: room for as many.
+        walls: number of walls.
         count: number of people.
         limit: greatest speed.
         x: of the wanted velocity.
         z: of the wanted velocity.
     """
-    failed, x, z = _nearest_velocity(lines, 2 * count, limit, x, z, False)
-    if failed < count:
-        return _least_offence(lines, projected, 0, failed, count, limit, x, z)
-    return _least_offence(lines, projected, count, failed, 2 * count, limit, x, z)
+    bodies, total = walls + count, walls + 2 * count
+    failed, x, z = _nearest_velocity(lines, total, limit, x, z, False)
+    if failed < walls:
+        return _least_offence(lines, projected, 0, failed, walls, limit, x, z)
+    if failed < bodies:
+        return _least_offence(lines, projected, walls, failed, bodies, limit, x, z)
+    return _least_offence(lines, projected, bodies, failed, total, limit, x, z)
 
 
 @compiled
 def velocity_by_braking(
-    lines: Array, projected: Array, count: int, limit: float, cost: float, x: float, z: float
+    lines: Array,
+    projected: Array,
+    walls: int,
+    count: int,
+    limit: float,
+    cost: float,
+    x: float,
+    z: float,
 ) -> tuple[float, float]:
     """Return the allowed velocity of a walker that brakes rather than steps aside.
 
@@ -52,6 +64,7 @@ def velocity_by_braking(
     Args:
         lines: of velocities as of `allowed_velocity`; overwritten.
         projected: room for as many.
+        walls: number of walls.
         count: number of people.
         limit: greatest speed along the way.
         cost: of a velocity across the way, relative to one along it.
@@ -61,13 +74,13 @@ def velocity_by_braking(
     speed = max(math.hypot(x, z), 1e-9)
     c, s = x / speed, z / speed
     # In coordinates along the way and, stretched, across it.
-    for k in range(2 * count):
+    for k in range(walls + 2 * count):
         px, pz, dx, dz = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
         lines[k, 0], lines[k, 1] = c * px + s * pz, cost * (c * pz - s * px)
         dx, dz = c * dx + s * dz, cost * (c * dz - s * dx)
         size = math.hypot(dx, dz)
         lines[k, 2], lines[k, 3] = dx / size, dz / size
-    along, across = allowed_velocity(lines, projected, count, limit, speed, 0.0)
+    along, across = allowed_velocity(lines, projected, walls, count, limit, speed, 0.0)
     across /= cost
     return c * along - s * across, s * along + c * across
 

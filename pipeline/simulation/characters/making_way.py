@@ -13,6 +13,7 @@ WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people mak
 WAY_SPEED = 0.6  # at which they do [m/s]
 RETURN_SPEED = 0.3  # back to where they stood [m/s]
 AT_POST, FAR_FROM_POST = 0.08, 2.0  # distances from there: back again; driven off for good [m]
+LEAST_SPACE, CLOSING_TIME = 0.36, 0.8  # to those beside it, in heights; to come so near [s]
 LEAST_SIDESTEP = 1e-3  # that is none [m/s]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
 SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
@@ -28,6 +29,7 @@ def make_way(persons: Records, order: Numbers, n: int, near: Numbers) -> None:
     x, z = 0.0, 0.0
     if _is_idle(person):
         x, z = _way_asked(persons, order, n, near)
+        x, z = _clear_of_others(persons, order, n, near, x, z)
         if x != 0.0 or z != 0.0:
             if not person.gave_way:
                 person.gave_way = True
@@ -71,6 +73,28 @@ def _way_asked(persons: Records, order: Numbers, n: int, near: Numbers) -> tuple
                 x -= step * gz / far
                 z += step * gx / far
     return WAY_SPEED * x, WAY_SPEED * z
+
+
+@compiled
+def _clear_of_others(
+    persons: Records, order: Numbers, n: int, near: Numbers, x: float, z: float
+) -> tuple[float, float]:
+    """Return a velocity without what leads into the way of other people [m/s]."""
+    person = persons[order[n]]
+    if x == 0.0 and z == 0.0:
+        return x, z
+    for m in range(find_neighbours(persons, order, n, WAY_RANGE, near)):
+        other = persons[near[m]]
+        dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
+        distance = max(math.hypot(dx, dz), 1e-9)
+        dx, dz = dx / distance, dz / distance
+        room = distance - 0.5 * LEAST_SPACE * (person.height + other.height)
+        leaves = other.velocity[0] * dx + other.velocity[1] * dz
+        most = max(max(room, 0.0) / CLOSING_TIME + min(leaves, 0.0), 0.0)
+        excess = x * dx + z * dz - most
+        if excess > 0.0:
+            x, z = x - excess * dx, z - excess * dz
+    return x, z
 
 
 @compiled

@@ -275,7 +275,7 @@ def control_people(
     """Set the targets of all people for a step of `dt` [s], whose sub-steps last `h` [s]."""
     if len(persons) == 0:
         return
-    avoid_people(persons)
+    avoid_people(persons, arrays.owners, solids)
     notice_hurdles(arrays, persons, solids, dt)
     for i in range(len(persons)):
         person = persons[i]

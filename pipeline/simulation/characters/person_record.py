@@ -151,6 +151,9 @@ PERSON = np.dtype(
         ("sidestep", "f8", 2),
         # Turn from the way to the goal towards a gap in a crowd [rad].
         ("detour", "f8"),
+        # Whether walls are near that it passes, and how far ahead along its way the nearest is [m].
+        ("has_passage", "?"),
+        ("passage", "f8"),
         # How much it squeezes through where it gets no further, 0 to 1.
         ("impatience", "f8"),
         # How far it keeps its arms to the body, where others pass close by, 0 to 1, and wants to.

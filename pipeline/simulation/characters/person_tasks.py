@@ -202,6 +202,7 @@ def take_route(
         middles = np.concatenate([middles, circle[0][None]])
         radii = np.append(radii, circle[1])
     if not len(radii):
+        person.goal[:] = goal
         return math.dist(person.at, goal)
     reaches = radii + controller.body_radius
     bounds, at = np.stack(controller.view.edges), np.array(person.at)
@@ -229,11 +230,10 @@ def walking_failure(
     person = controller.record
     if person.frozen or person.sit_blend > 0.0 or person.group_wait > 0.0:
         return ""
-    if is_in_throng(person):
-        # Others go on sooner or later.
-        blocked_time, vain_time = THRONG_TIME, THRONG_TIME
-    else:
-        blocked_time, vain_time = BLOCKED_TIME, VAIN_TIME
+    # Others go on sooner or later.
+    progress.free_time = 0.0 if is_in_throng(person) else progress.free_time + dt
+    blocked_time = BLOCKED_TIME if progress.free_time > BLOCKED_TIME else THRONG_TIME
+    vain_time = VAIN_TIME if progress.free_time > BLOCKED_TIME else THRONG_TIME
     if progress.update(left, dt, person.at) > blocked_time:
         return f"the way is blocked at {place_text(controller)}, {left:.1f} m from it"
     if progress.idle_time > vain_time:

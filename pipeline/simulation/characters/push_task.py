@@ -228,6 +228,13 @@ class PushRound(Task):
         tangent = own + self.sense * (0.5 * math.pi + inward)
         person.has_facing, person.facing = True, math.remainder(tangent, 2.0 * math.pi)
 
+    def _is_crossed(self, controller: PersonController) -> bool:
+        """Tell whether somebody is about to step on or off."""
+        view = controller.view
+        leaving = view.decks.leaving[self.owner]
+        leaving -= {k for k in leaving if view.persons[k].deck_share == 0.0}
+        return bool(view.decks.boarding[self.owner] or leaving)
+
     def _push(
         self,
         controller: PersonController,
@@ -241,7 +248,7 @@ class PushRound(Task):
         fastest = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
         rate = min(WANTED_RATE, fastest / stance.ring)
         rate *= min(self.time / STARTING_TIME, 1.0)
-        is_boarded = bool(controller.view.decks.boarding[self.owner])
+        is_boarded = self._is_crossed(controller)
         if is_boarded:
             rate, self.idle = min(rate, BOARDING_RATE), 0.0
         lag = rate - self.sense * carousel.rate

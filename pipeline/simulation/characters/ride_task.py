@@ -158,6 +158,7 @@ class RideCarousel(Ride):
     def _announce(self, controller: PersonController, carousel: CarouselPose) -> None:
         """Let pushers know whether the person is about to step on."""
         boarding = controller.view.decks.boarding[self.owner]
+        controller.view.decks.leaving[self.owner].discard(int(controller.record.owner))
         is_near = carousel.distance(controller) < carousel.radius + ANNOUNCING_DISTANCE
         if is_near and not self.is_aboard and not self.failure:
             boarding.add(controller.name)

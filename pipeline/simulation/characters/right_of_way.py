@@ -35,3 +35,15 @@ def lag_at_crossing(one: Record, other: Record) -> float:
     other_left = (x * az - z * ax) / cross * math.hypot(bx, bz)
     certainty = min((abs(sine) - LEAST_SINE) / (SURE_SINE - LEAST_SINE), 1.0)
     return certainty * min(max((own_left - other_left) / LEAD, -1.0), 1.0)
+
+
+@compiled
+def lag_at_passage(one: Record, other: Record) -> float:
+    """Return how certainly a walker is to wait for another between the walls that both pass.
+
+    From -1, where it goes first, to 1; 0 away from walls, and where both are as near to them.
+    Those who come out go first, and of those who go in the one that is nearer.
+    """
+    if not (one.has_passage and other.has_passage):
+        return 0.0
+    return min(max((one.passage - other.passage) / LEAD, -1.0), 1.0)

@@ -19,12 +19,14 @@ class TaskProgress:
         least: distance so far [m].
         time: since it fell, or since a walker has got on otherwise [s].
         idle_time: since it fell [s].
+        free_time: since others last held up a walker [s].
         place: (2,) from which a walker has to get on; None before the start [m].
     """
 
     least: float = math.inf
     time: float = 0.0
     idle_time: float = 0.0
+    free_time: float = math.inf
     place: tuple[float, float] | None = field(default=None)
 
     def update(self, distance: float, dt: float, at: Array | None = None) -> float:

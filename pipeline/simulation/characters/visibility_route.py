@@ -135,6 +135,7 @@ RING = np.stack([np.cos(RING_ANGLES), np.sin(RING_ANGLES)], axis=1) / math.cos(
 ENCLOSURE_CHECK = 16  # places searched from, after which it is asked whether the goal is enclosed
 SHRINK_FACTOR = 0.98  # of the distance to which circles around start or goal shrink
 REACHED_DISTANCE = 0.25  # to a place on the way before the next one is headed for [m]
+WAY_BACK = 0.2  # by which the way to the next place is longer than one past it [m]
 REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
 VAIN_DISTANCE = 0.3  # from where no way was found, within which none is searched again [m]
 
@@ -335,7 +336,10 @@ class Route:
             self.go_straight(goal)
         elif self._needs_search(at, goal, middles, reaches, limits):
             self._search(at, goal, middles, reaches, limits, bounds)
-        elif len(self.places) > 1 and math.dist(self.places[0], at) < REACHED_DISTANCE:
+        elif len(self.places) > 1 and (
+            math.dist(self.places[0], at) < REACHED_DISTANCE
+            or self._is_way_back(at, middles, reaches, limits)
+        ):
             self.places = self.places[1:]
         self.places[-1] = goal
         return self.places[0], way_length(at, self.places)
@@ -343,6 +347,15 @@ class Route:
     def go_straight(self, goal: Array) -> None:
         """Take the straight way to a goal (2,) [m]."""
         self.places, self.vain_from = goal[None], None
+
+    def _is_way_back(self, at: Array, middles: Array, reaches: Array, limits: Array) -> bool:
+        """Tell whether one that was pushed off the way gets on it again without the next place."""
+        first, second = self.places[0], self.places[1]
+        way = math.dist(at, first) + math.dist(first, second)
+        if way - math.dist(at, second) < WAY_BACK:
+            return False
+        radii = np.minimum(reaches + CLEARANCES[-1], limits)
+        return bool(are_free(at, second[None], middles, radii)[0])
 
     def _needs_search(
         self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array

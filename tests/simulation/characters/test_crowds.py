@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.crossing import cross
 from pipeline.simulation.characters import arm_clearance, half_planes
+from pipeline.simulation.characters import crowd_avoidance as crowds
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import LOOK_INTERVAL, headway_share
 from pipeline.simulation.characters.neighbours import (
@@ -17,7 +18,7 @@ from pipeline.simulation.characters.neighbours import (
     order_along_x,
 )
 from pipeline.simulation.characters.person_record import PERSON
-from pipeline.simulation.characters.right_of_way import lag_at_crossing
+from pipeline.simulation.characters.right_of_way import lag_at_crossing, lag_at_passage
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.spatial import Array
 from tests.simulation.characters.scripted_people import STEPS, play_scene
@@ -98,7 +99,7 @@ def test_walkers_in_a_crowd_brake_rather_than_step_aside(
     turn: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def nearest_on_line(
-        lines: Array, room: Array, count: int, limit: float, *wanted: float
+        lines: Array, room: Array, walls: int, count: int, limit: float, *wanted: float
     ) -> Array:
         point, direction = lines[0, :2], lines[0, 2:]
         nearest: Array = point + direction * float(direction @ (np.array(wanted) - point))
@@ -109,7 +110,7 @@ def test_walkers_in_a_crowd_brake_rather_than_step_aside(
     to_world, point, direction = np.array([[c, -s], [s, c]]), np.array([0.7, 0.0]), [0.6, 0.8]
     lines = np.tile(np.concatenate([to_world @ point, to_world @ direction]), (2, 1))
     plain: Any = half_planes.velocity_by_braking
-    velocity = np.array(plain.py_func(lines, lines, 1, 1.4, 2.0, 1.2 * c, 1.2 * s)) @ to_world
+    velocity = np.array(plain.py_func(lines, lines, 0, 1, 1.4, 2.0, 1.2 * c, 1.2 * s)) @ to_world
     off = velocity - point
     assert direction[0] * off[1] - direction[1] * off[0] == pytest.approx(0.0, abs=1e-12)
     # The least of what it costs to brake and to step aside, on the edge of what is allowed.
@@ -151,8 +152,8 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
 def test_walkers_in_a_crowd_keep_their_arms_in_before_others_pass_close_by(
     aside: float, in_crowd: bool, kept: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain: Any = arm_clearance._least_distance
-    monkeypatch.setattr(arm_clearance, "_least_distance", plain.py_func)
+    plain: Any = arm_clearance.least_distance
+    monkeypatch.setattr(arm_clearance, "least_distance", plain.py_func)
     monkeypatch.setattr(arm_clearance, "walks_with", lambda *_: False)
     two = zero_records(2, PERSON)
     two["height"] = 1.7
@@ -162,8 +163,43 @@ def test_walkers_in_a_crowd_keep_their_arms_in_before_others_pass_close_by(
     assert two["arms_wanted_in"][0] == pytest.approx(kept, abs=0.1)
 
 
+@pytest.mark.parametrize(
+    ("aside", "speed", "share"),
+    [(0.3, 1.3, 0.2), (0.6, 1.3, 0.58), (0.8, 1.3, 1.0), (0.6, 0.3, 1.0)],
+)
+def test_walkers_in_a_crowd_pass_the_more_slowly_the_closer(
+    aside: float, speed: float, share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain: Any = crowds.passing_share
+    least_distance: Any = arm_clearance.least_distance
+    monkeypatch.setattr(crowds, "least_distance", least_distance.py_func)
+    two = zero_records(2, PERSON)
+    two["height"] = 1.72
+    two["at"], two["velocity"] = [[0.0, 0.0], [0.4, aside]], [[speed, 0.0], [-speed, 0.0]]
+    found = plain.py_func(two, two[0], np.array([1]), 1)
+    assert found == pytest.approx(share, abs=0.02)
+
+
+def test_who_meets_others_beside_a_wall_does_not_brush_against_it() -> None:
+    scene = """
+duration: 5
+cast:
+  - {name: anna, character: adult, at: [-2.2, 0.15]}
+  - {name: ben, character: adult, at: [2.2, 0.15], heading_deg: 180}
+  - {name: carl, character: adult, at: [3.0, -0.5], heading_deg: 180}
+  - {name: wall, prop: {shape: box, size: [8, 2.2, 0.3]}, at: [0, 0, 0.7]}
+script:
+  - {at: 0, who: anna, do: {go_to: [2.5, 0.1]}}
+  - {at: 0, who: ben, do: {go_to: [-2.5, 0.1]}}
+  - {at: 0, who: carl, do: {go_to: [-1.8, -0.55]}}
+"""
+    play = play_scene(scene)
+    assert play.joint("anna", "pelvis")[-1, 0] > 0.5
+    assert not [contact for contact in play.contacts if contact.other == "wall"]
+
+
 @pytest.mark.nightly
-@pytest.mark.parametrize("kind", ["head-on", "corner"])
+@pytest.mark.parametrize("kind", ["head-on", "corner", "gate"])
 def test_two_groups_cross_without_a_blow(kind: str) -> None:
     out = cross(kind, 25, 1)
     assert out.is_good, out.text()
@@ -179,3 +215,13 @@ def test_the_one_nearer_to_the_crossing_of_two_ways_goes_first() -> None:
     assert plain.py_func(two[0], two[1]) == 1.0
     two["at"], two["goal"] = [[-2.0, 0.0], [2.0, 0.1]], [[5.0, 0.0], [-5.0, 0.0]]  # head-on
     assert plain.py_func(two[0], two[1]) == 0.0
+
+
+def test_who_comes_out_of_a_passage_goes_before_those_who_go_in() -> None:
+    plain: Any = lag_at_passage
+    two = zero_records(2, PERSON)
+    two["passage"] = -0.4, 0.5
+    assert plain.py_func(two[0], two[1]) == 0.0
+    two["has_passage"] = True
+    assert plain.py_func(two[0], two[1]) == pytest.approx(-0.9)
+    assert plain.py_func(two[1], two[0]) == pytest.approx(0.9)

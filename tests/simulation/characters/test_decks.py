@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from pipeline.simulation.characters.deck_choice import top_of
+from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from tests.simulation.characters.scripted_people import STEPS, play_scene, run_scene
 
@@ -84,6 +87,40 @@ def test_what_cannot_be_stepped_onto_is_given_up() -> None:
     assert orders["kid"].outcome == orders["other"].outcome == "given up"
     assert "too high to step on: 0.60 m" in orders["kid"].reason
     assert "collide: all" in orders["other"].reason
+
+
+def test_pushers_slow_a_merry_go_round_down_for_those_who_get_off() -> None:
+    def crossed(rider_deck_share: float) -> bool:
+        decks = SimpleNamespace(boarding={3: set[str]()}, leaving={3: {1}})
+        rider = SimpleNamespace(deck_share=rider_deck_share)
+        controller: Any = SimpleNamespace(view=SimpleNamespace(decks=decks, persons={1: rider}))
+        pusher: Any = SimpleNamespace(owner=3)
+        found = PushRound._is_crossed(pusher, controller)
+        assert bool(decks.leaving[3]) == found
+        return found
+
+    assert crossed(0.4)
+    assert not crossed(0.0)
+
+
+@pytest.mark.nightly
+def test_a_rider_gets_off_a_merry_go_round_that_is_pushed_without_a_fall() -> None:
+    cast = "- {name: c, character: merry-go-round}\n"
+    cast += "- {name: rider, character: child, at: [0.9, -0.3], heading_deg: 180}\n"
+    cast += "- {name: pusher, character: child, at: [-1.7, 0.2], heading_deg: 0, scale: 1.15}\n"
+    script = "script:\n- {at: 0, who: rider, do: {ride: c}}\n"
+    script += "- {at: 0, who: pusher, do: {push: c, turns: 3}}\n"
+    script += "- {at: 9, who: rider, do: {go_to: [3, -3]}}\n"
+    play = play_scene(f"duration: 18\ncast:\n{cast}{script}")
+    rider, now = play.records[:, 1], 9 * STEPS
+    hub, first = play.firsts["c"], play.firsts["c"] + 2
+    rim = play.p[:, first] - play.p[:, hub]
+    rate = np.abs(np.gradient(np.unwrap(np.arctan2(-rim[:, 2], rim[:, 0]))) * STEPS)
+    assert rate[now] > 0.5
+    assert rider["stun"][now:].max() < 0.2
+    off = int(np.flatnonzero(rider["deck_share"][now:] < 0.01)[0])
+    assert rate[now + off] < 0.7 * rate[now]
+    assert rider["at"][-1] == pytest.approx([3.0, -3.0], abs=0.3)
 
 
 @pytest.mark.nightly

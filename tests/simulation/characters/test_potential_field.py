@@ -178,3 +178,17 @@ def test_random_obstacle_courses_are_solved(seeds: range) -> None:
         places = characters.arrays.p[:, [0, 2]]
         assert np.abs(places).max() < 12.0
     assert len(failed) <= 0.03 * len(seeds), f"these do not arrive: {failed}"
+
+
+def test_one_that_is_pushed_past_a_place_on_its_way_does_not_go_back_to_it() -> None:
+    middles, reaches = np.array([[0.0, 0.0]]), np.array([0.8])
+    route, goal = Route(), np.array([3.0, 0.02])
+    first, _ = route.next(np.array([-3.0, 0.0]), goal, middles, reaches, WIDE)
+    assert len(route.places) > 1
+    side = math.copysign(1.0, first[1])
+    # Still before the circle, which bars the straight way from here, but past the first place.
+    at = np.array([first[0] + 0.5, side * 0.9])
+    second = route.places[1].copy()
+    place, _ = route.next(at, goal, middles, reaches, WIDE)
+    assert place[0] > at[0]
+    np.testing.assert_allclose(place, second)

@@ -40,7 +40,7 @@ from pipeline.simulation.spatial import UP, Array, normalized
 PLATE_TRIANGLES = {"body": 4000, HEAD: 800, TAIL: 1500}
 """Most triangles of the plates of a trunk, and of a head or abdomen of another material."""
 
-BELOW_TRIANGLES = 1850
+BELOW_TRIANGLES = 1900
 """The same of a body whose upper plates are lofted."""
 
 JAW_COLOR, EYE_COLOR = "#1c100a", "#060608"

@@ -134,12 +134,12 @@ def _beetle(plan: ShellPlan) -> Iterator[Lump]:
     low = plan.rim - 0.06 * w
     breast = 0.5 * (plan.front + plan.waist)
     yield _plate(np.array([breast, low, 0.0]), (0.42 * w, 0.34 * w, 0.62 * w))
-    yield _plate(np.array([plan.waist - 0.16 * length, low, 0.0]), (0.44 * w, 0.36 * w, 0.80 * w))
+    yield _plate(np.array([plan.waist - 0.16 * length, low, 0.0]), (0.44 * w, 0.44 * w, 0.80 * w))
     for k in range(5):
         t = 0.34 + 0.13 * k
         size = float(plan.case_width(np.array([t]))[0])
         at = np.array([plan.waist - t * length, low, 0.0])
-        yield _plate(at, (0.13 * length, 0.34 * size, 0.90 * size), 0.04)
+        yield _plate(at, (0.13 * length, 0.44 * size, 0.90 * size), 0.04)
 
 
 def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:

@@ -318,9 +318,8 @@ def mushroom(seed: int, level: int) -> Prototype:
         normals = ray * t[:, None, None] + UP * (1.15 - t)[:, None, None]
         shade = cap_color * (1.1 - 0.35 * t)[:, None, None] * np.ones((1, sides, 1))
         if seed % 3 == FLY_AGARIC and level < 2:
-            # Warts, the rests of the skin from which the cap grew.
-            wart = spotted.uniform(size=(rings, sides)) < 0.22
-            shade[wart[:, :, None].repeat(3, axis=2)] = 0.62
+            # Warts, what is left of the skin from which the cap grew.
+            shade[spotted.uniform(size=(rings, sides)) < 0.22] = 0.62
         # The gills: the rim drawn in to the stem.
         gills = cap[-1:] * 0.25 + (top + 0.05 * size * UP) * 0.75
         rim = np.concatenate([cap, cap[-1:], gills])

@@ -21,8 +21,8 @@ from pipeline.simulation.spatial import Array
 AROUND = 16
 """Vertices of a ring of a band."""
 
-PROUD, THICK = 0.0, 0.0045
-"""By how much a band stands out of the cloth, and its thickness, in girths."""
+THICK = 0.0045
+"""Thickness of a band, whose outside is that of the cloth, in girths."""
 
 CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
     (0.4985, 0.5130),
@@ -76,10 +76,10 @@ def _band(
     g = build.girth
     rings = []
     for level, out in (
-        (edges[0], worn + PROUD - THICK),
-        (edges[0], worn + PROUD),
-        (edges[1], worn + PROUD),
-        (edges[1], worn + PROUD - THICK),
+        (edges[0], worn - THICK),
+        (edges[0], worn),
+        (edges[1], worn),
+        (edges[1], worn - THICK),
     ):
         y = build.level(level)
         middle, *reach = (np.interp(y, outline[:, 0], outline[:, k]) for k in range(1, 5))

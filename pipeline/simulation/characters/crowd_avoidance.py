@@ -83,6 +83,7 @@ MORE_SIDESTEP_COST = 1.0
 HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
 SLOWEST = 0.15  # behind others [m/s]
+HELD_UP_RATE = 0.25  # share of the change by which others hold it up that is noticed in a look
 ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
 SAME_WAY = 0.5  # part of its speed at which others go ahead of a walker outside a crowd
 
@@ -93,11 +94,10 @@ SLOW_PASSING, FAST_PASSING = 0.5, 2.5
 
 def is_in_throng(person: Record) -> bool:
     """Tell whether it is others, rather than things, who keep a walker from getting on."""
-    aside = math.hypot(person.sidestep[0], person.sidestep[1])
     left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
     # Near its goal it goes slowly anyway.
     speed = min(person.pace, 0.5 * VELOCITY_GAIN * left)
-    return bool(person.impatience > 0.0 and aside > THRONG_SIDESTEP * speed)
+    return bool(person.impatience > 0.0 and person.held_up > THRONG_SIDESTEP * speed)
 
 
 @allocating
@@ -115,7 +115,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
         person = persons[order[n]]
         person.looked = (person.looked + 1) % LOOK_INTERVAL
         if not person.has_goal:
-            person.detour, person.impatience = 0.0, -PATIENCE
+            person.detour, person.impatience, person.held_up = 0.0, -PATIENCE, 0.0
             person.arms_wanted_in = 0.0
             person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
             make_way(persons, order, n, near)
@@ -167,15 +167,19 @@ def _choose_sidestep(
         persons, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
     )
     keep_arms_in(persons, person, nearest, count, in_crowd)
+    free_x, free_z = wanted_x, wanted_z
     if count > 0:
         walls = 0
         for k in range(found):
             if forbid_wall(person, solids, barriers[k], lines[walls]):
                 walls += 1
+        limit = QUICKEST * person.pace
+        free_x, free_z = allowed_velocity(lines, projected, walls, 0, limit, wanted_x, wanted_z)
         _forbid_people(persons, person, nearest, in_crowd, x, z, lines[walls:])
         x, z = _choose_velocity(
             persons, person, nearest, count, in_crowd, x, z, walls, lines, projected
         )
+    person.held_up += HELD_UP_RATE * (hypotenuse(x - free_x, z - free_z) - person.held_up)
     _squeeze(person, CROWD_SQUEEZING if in_crowd else SQUEEZING, wanted_x, wanted_z)
     person.wanted_sidestep[0], person.wanted_sidestep[1] = x - alone_x, z - alone_z
 

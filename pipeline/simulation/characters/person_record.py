@@ -156,6 +156,8 @@ PERSON = np.dtype(
         ("passage", "f8"),
         # How much it squeezes through where it gets no further, 0 to 1.
         ("impatience", "f8"),
+        # By how much others, rather than walls, change its velocity [m/s].
+        ("held_up", "f8"),
         # How far it keeps its arms to the body, where others pass close by, 0 to 1, and wants to.
         ("arms_in", "f8"),
         ("arms_wanted_in", "f8"),

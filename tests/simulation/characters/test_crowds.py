@@ -20,8 +20,10 @@ from pipeline.simulation.characters.neighbours import (
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.right_of_way import lag_at_crossing, lag_at_passage
 from pipeline.simulation.dynamics.record_array import zero_records
+from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
-from tests.simulation.characters.scripted_people import STEPS, play_scene
+from pipeline.spec import read_scene
+from tests.simulation.characters.scripted_people import STEPS, play_scene, troupe_of
 
 
 def test_who_makes_way_goes_back_to_its_place() -> None:
@@ -196,6 +198,30 @@ script:
     play = play_scene(scene)
     assert play.joint("anna", "pelvis")[-1, 0] > 0.5
     assert not [contact for contact in play.contacts if contact.other == "wall"]
+
+
+def test_walls_hold_nobody_up_as_others_do() -> None:
+    scene = """
+duration: 7
+cast:
+  - {name: anna, character: adult, at: [-2.0, 0.3]}
+  - {name: ben, character: adult, at: [1.2, 0]}
+  - {name: box, prop: {shape: box, size: [0.1, 0.1, 0.1]}, at: [0.9, 0.4]}
+  - {name: near, prop: {shape: box, size: [0.5, 1.2, 3]}, at: [-0.3, 0]}
+  - {name: far, prop: {shape: box, size: [0.5, 1.2, 3]}, at: [2.7, 0]}
+  - {name: left, prop: {shape: box, size: [3, 1.2, 0.5]}, at: [1.2, -1.5]}
+  - {name: right, prop: {shape: box, size: [3, 1.2, 0.5]}, at: [1.2, 1.5]}
+script:
+  - {at: 0.3, who: anna, do: {grab: box}}
+"""
+    simulation = Simulation(read_scene("pronk: 1\n" + scene))
+    while not simulation.finished:
+        simulation.step()
+        troupe = troupe_of(simulation)
+        assert troupe.persons[0].held_up < 0.2
+    (order,) = simulation.take().orders
+    assert order.outcome == "given up"
+    assert "the way is blocked" in order.reason
 
 
 @pytest.mark.nightly

@@ -20,7 +20,7 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.characters.arm_clearance import keep_arms_in, least_distance
+from pipeline.simulation.characters.arm_clearance import keep_arms_in
 from pipeline.simulation.characters.barriers import (
     MOST_BARRIERS,
     find_barriers,
@@ -30,6 +30,7 @@ from pipeline.simulation.characters.barriers import (
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import MOST_SEEN, SIGHT, head_for_gap
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
+from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
 from pipeline.simulation.characters.neighbours import (
     Numbers,
@@ -80,16 +81,8 @@ HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pas
 # Of velocity across the way, relative to that along it, where all others come from the side.
 MORE_SIDESTEP_COST = 1.0
 
-HEADWAY_TIME = 1.06  # to the one ahead [s]; Seyfried et al. 2005
-BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
-SLOWEST = 0.15  # behind others [m/s]
 HELD_UP_RATE = 0.25  # share of the change by which others hold it up that is noticed in a look
 ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
-SAME_WAY = 0.5  # part of its speed at which others go ahead of a walker outside a crowd
-
-# Of walkers that pass one another: distances, in heights, and relative speeds [m/s].
-CLOSE, FREE_PASSING = 0.3, 0.42
-SLOW_PASSING, FAST_PASSING = 0.5, 2.5
 
 
 def is_in_throng(person: Record) -> bool:
@@ -266,55 +259,6 @@ def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float
         across += abs(v[0] * z - v[1] * x) / speed
         total += hypotenuse(v[0], v[1])
     return across / total
-
-
-@compiled
-def headway_share(
-    persons: Records,
-    person: Record,
-    nearest: Numbers,
-    count: int,
-    x: float,
-    z: float,
-    in_crowd: bool = True,
-) -> float:
-    """Return the share of a velocity at which a walker treads on nobody's heels.
-
-    Outside a crowd it overtakes those who stand or come towards it.
-    """
-    speed = math.hypot(x, z)
-    if speed < 1e-9:
-        return 1.0
-    limit = speed
-    for k in range(count):
-        other = persons[nearest[k]]
-        if not in_crowd:
-            along = (other.velocity[0] * x + other.velocity[1] * z) / speed
-            if along < SAME_WAY * speed or walks_with(person, other):
-                continue
-        dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
-        size = 0.5 * (person.height + other.height)
-        ahead, aside = (dx * x + dz * z) / speed, abs(dz * x - dx * z) / speed
-        if ahead > 0.0 and aside < LANE * size:
-            room = max(ahead - BODY_DEPTH * size, 0.0) / HEADWAY_TIME
-            # Those at the edge of the lane hinder less.
-            limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / (LANE * size)) ** 2, 1e-3))
-    return limit / speed
-
-
-@compiled
-def passing_share(persons: Records, person: Record, nearest: Numbers, count: int) -> float:
-    """Return the share of its speed at which a walker passes others without a blow."""
-    share = 1.0
-    for k in range(count):
-        other = persons[nearest[k]]
-        vx, vz = other.velocity[0] - person.velocity[0], other.velocity[1] - person.velocity[1]
-        size, speed = 0.5 * (person.height + other.height), math.hypot(vx, vz)
-        part = (least_distance(person, other) / size - CLOSE) / (FREE_PASSING - CLOSE)
-        if speed > SLOW_PASSING and part < 1.0:
-            most = SLOW_PASSING + max(part, 0.0) * FAST_PASSING
-            share = min(share, most / speed)
-    return share
 
 
 @inlined

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from benchmarks.crossing import cross
-from pipeline.simulation.characters import arm_clearance, half_planes
-from pipeline.simulation.characters import crowd_avoidance as crowds
+from pipeline.simulation.characters import arm_clearance, half_planes, headway
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.characters.crowd_avoidance import LOOK_INTERVAL, headway_share
+from pipeline.simulation.characters.crowd_avoidance import LOOK_INTERVAL
+from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.neighbours import (
     find_neighbours,
     insert_nearest,
@@ -172,9 +172,9 @@ def test_walkers_in_a_crowd_keep_their_arms_in_before_others_pass_close_by(
 def test_walkers_in_a_crowd_pass_the_more_slowly_the_closer(
     aside: float, speed: float, share: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain: Any = crowds.passing_share
+    plain: Any = passing_share
     least_distance: Any = arm_clearance.least_distance
-    monkeypatch.setattr(crowds, "least_distance", least_distance.py_func)
+    monkeypatch.setattr(headway, "least_distance", least_distance.py_func)
     two = zero_records(2, PERSON)
     two["height"] = 1.72
     two["at"], two["velocity"] = [[0.0, 0.0], [0.4, aside]], [[speed, 0.0], [-speed, 0.0]]

@@ -134,7 +134,7 @@ def _choose_sidestep(
     nearest: Numbers,
     rooms: tuple[Numbers, Numbers, Numbers, Array, Array],
 ) -> None:
-    """Choose the sidestep of the n-th person in order, who walks.
+    """Choose the sidestep of a walker, the n-th person in order.
 
     Args:
         persons: `PERSON` records.

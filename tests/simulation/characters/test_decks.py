@@ -12,7 +12,8 @@ import pytest
 from pipeline.simulation.characters.deck_choice import top_of
 from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.keyframe_track import rotation_from_angles
-from tests.simulation.characters.scripted_people import STEPS, play_scene, run_scene
+from pipeline.simulation.spatial import Array
+from tests.simulation.characters.scripted_people import STEPS, Play, play_scene, run_scene
 
 CAROUSEL = "- {name: c, character: merry-go-round, spin_deg: [0, 40, 0]}\n"
 CART = "prop: {shape: box, size: [1.6, 0.25, 1.0]}"
@@ -103,6 +104,13 @@ def test_pushers_slow_a_merry_go_round_down_for_those_who_get_off() -> None:
     assert not crossed(0.0)
 
 
+def _turn_rate(play: Play) -> Array:
+    """Return the rate (steps,) at which the merry-go-round "c" turns [rad/s]."""
+    hub, first = play.firsts["c"], play.firsts["c"] + 2
+    rim = play.p[:, first] - play.p[:, hub]
+    return np.asarray(np.gradient(np.unwrap(np.arctan2(-rim[:, 2], rim[:, 0]))) * STEPS)
+
+
 @pytest.mark.nightly
 def test_a_rider_gets_off_a_merry_go_round_that_is_pushed_without_a_fall() -> None:
     cast = "- {name: c, character: merry-go-round}\n"
@@ -113,9 +121,7 @@ def test_a_rider_gets_off_a_merry_go_round_that_is_pushed_without_a_fall() -> No
     script += "- {at: 9, who: rider, do: {go_to: [3, -3]}}\n"
     play = play_scene(f"duration: 18\ncast:\n{cast}{script}")
     rider, now = play.records[:, 1], 9 * STEPS
-    hub, first = play.firsts["c"], play.firsts["c"] + 2
-    rim = play.p[:, first] - play.p[:, hub]
-    rate = np.abs(np.gradient(np.unwrap(np.arctan2(-rim[:, 2], rim[:, 0]))) * STEPS)
+    rate = np.abs(_turn_rate(play))
     assert rate[now] > 0.5
     assert rider["stun"][now:].max() < 0.2
     off = int(np.flatnonzero(rider["deck_share"][now:] < 0.01)[0])
@@ -133,9 +139,7 @@ def test_a_rider_steps_onto_a_merry_go_round_and_another_pushes_it() -> None:
     play = play_scene(f"duration: 9\ncast:\n{cast}{script}")
     # Records are in the order of names.
     pusher, rider = play.records[:, 0], play.records[:, 1]
-    hub, first = play.firsts["c"], play.firsts["c"] + 2
-    rim = play.p[:, first] - play.p[:, hub]
-    rate = np.gradient(np.unwrap(np.arctan2(-rim[:, 2], rim[:, 0]))) * STEPS
+    rate = _turn_rate(play)
     # A rider does not turn what it stands on.
     assert np.abs(rate[: round(2.5 * STEPS)]).max() < 0.03
     assert play.when("rider")

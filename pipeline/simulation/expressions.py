@@ -6,6 +6,7 @@ curiosity is the interest of Izard 1979.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from pipeline.simulation.face_units import UNITS
 from pipeline.simulation.spatial import Array
 from pipeline.spec.expression import EMOTIONS, Emotion
+from pipeline.spec.script import Express
 
 EXPRESSIONS: Mapping[Emotion, Mapping[str, float]] = {
     "joy": {
@@ -65,10 +67,25 @@ ACTIONS: Array = np.array(
 """(emotions, units)."""
 
 
+EASE = {"smile": 0.22, "cheek_up": 0.15, "brow_inner_up": 0.12, "brow_outer_up": 0.15}
+"""Actions of units in a face that shows no emotion: slack muscles look sad or absent."""
+
+AT_EASE: Array = np.array([EASE.get(unit, 0.0) for unit in UNITS])
+
+
+def told_emotions(order: Express) -> list[float]:
+    """Return the emotions (6,) that an order asks to show, NaN for those that are felt."""
+    if order.express == "own":
+        return [math.nan] * len(EMOTIONS)
+    return [order.strength if emotion == order.express else 0.0 for emotion in EMOTIONS]
+
+
 def face_of(emotions: Array) -> Array:
     """Return the units (..., n) of a face that shows emotions (..., 6), each from 0 to 1.
 
-    Units of several emotions do not add up beyond their full action.
+    Units of several emotions do not add up beyond their full action. The less they are, the more
+    the face is at ease.
     """
     acts = emotions[..., :, None] * ACTIONS
-    return 1.0 - np.prod(1.0 - np.clip(acts, 0.0, 1.0), axis=-2)
+    ease = (1.0 - np.clip(emotions.max(axis=-1), 0.0, 1.0))[..., None] * AT_EASE
+    return np.maximum(1.0 - np.prod(1.0 - np.clip(acts, 0.0, 1.0), axis=-2), ease)

@@ -147,7 +147,7 @@ VERBS: Mapping[str, Verb] = {
         "go to somebody and stroke a shoulder", (PERSON,), {"soothe": JOINTED_CHARACTER}, ends=True
     ),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),
-    "express": Verb("show an emotion in the face", (PERSON,), is_aside=True),
+    "express": Verb("show an emotion in the face", (PERSON, DANCER), is_aside=True),
     "dance": Verb(
         "dance something from now on, or some bars of it; of walkers, a `figure: person`",
         (WALKER, PERSON, DANCER),

@@ -49,7 +49,7 @@ class HugShape:
 
     chest_radius: float = 0.075
     back_depth: float = 0.055
-    settled: float = 0.020
+    settled: float = 0.045
     waist: float = 0.085
     hands_joined: float = 0.06
     reach: float = 0.95

@@ -50,6 +50,7 @@ from pipeline.simulation.characters.second_try import Regret, StepAside, place_a
 from pipeline.simulation.characters.shove_task import Grapple
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.record_view import record_view
+from pipeline.simulation.expressions import told_emotions
 from pipeline.simulation.order_outcome import GripChange, Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -461,7 +462,7 @@ class TaskDispatcher:
             self._let_go(k, HANDS[order.let_go])
         elif isinstance(order, spec.Express):
             self.expressions = self.expressions.copy()
-            self.expressions[k] = _told(order)
+            self.expressions[k] = told_emotions(order)
         elif (kind := key_of_order(order)) in GESTURES:
             target = self.view.target_name(getattr(order, kind))
             self.gestures.append((k, kind, target))
@@ -536,10 +537,3 @@ def _hold(controller: PersonController, may_grip: bool) -> None:
         controller.hold_gripped_things()
     if controller.held_members:
         hold_members(controller)
-
-
-def _told(order: spec.Express) -> list[float]:
-    """Return the emotions (6,) that an order asks to show, NaN for those that are felt."""
-    if order.express == "own":
-        return [math.nan] * len(EMOTIONS)
-    return [order.strength if emotion == order.express else 0.0 for emotion in EMOTIONS]

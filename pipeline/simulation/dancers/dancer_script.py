@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -18,8 +19,13 @@ from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES
 from pipeline.simulation.dancers.torso import HANDS
+from pipeline.simulation.expressions import told_emotions
 from pipeline.simulation.members import MemberState
-from pipeline.spec.script import Do, LetGo, LookAhead, LookAt, Perform, Reach, Wait
+from pipeline.spec.expression import EMOTIONS
+from pipeline.spec.script import Do, Express, LetGo, LookAhead, LookAt, Perform, Reach, Wait
+
+DANCING_JOY = 0.5
+"""Joy that a face shows of its own while dancing."""
 
 PRACTICE_START = 0.5
 """Time before the first beat of practice [s]."""
@@ -40,6 +46,7 @@ class ScriptedDancer:
     Attributes:
         watched: member that it is to look at, wherever it goes; None without any.
         seen: states of members, of the watched one at least.
+        told: (6,) emotions that it is told to show, NaN where it shows its own.
     """
 
     def __init__(
@@ -52,8 +59,14 @@ class ScriptedDancer:
         self.dancing, self.programme, self.own, self.dt = dancing, programme, own, dt
         self.watched: str | None = None
         self.seen: Mapping[str, MemberState] = {}
+        self.told = [math.nan] * len(EMOTIONS)
         self._practised = {programme.plan.request}
         self._reaching: list[tuple[Reach, float]] = []
+
+    @property
+    def joy(self) -> float:
+        """Joy that it feels: that of dancing."""
+        return 0.0 if self.programme.plan.request.dance is None else DANCING_JOY
 
     def follow(self, orders: Sequence[Do]) -> None:
         """Starts to carry out instructions."""
@@ -94,13 +107,17 @@ class ScriptedDancer:
                 self.dancing.hold_at(side, number, now + REACH_TIME)
         elif isinstance(do, LetGo):
             self._release(SIDES[do.let_go])
-        elif isinstance(do, LookAt):
-            self.watched = do.look_at if isinstance(do.look_at, str) else None
-            if not isinstance(do.look_at, str):
-                self.dancing.look(np.array(self.own(do.look_at)))
-        elif isinstance(do, LookAhead):
-            self.watched = None
-            self.dancing.look(None)
+        elif isinstance(do, LookAt | LookAhead):
+            self._look(do)
+        elif isinstance(do, Express):
+            self.told = told_emotions(do)
+
+    def _look(self, do: LookAt | LookAhead) -> None:
+        """Looks at a member or a place, or ahead."""
+        target = do.look_at if isinstance(do, LookAt) else None
+        self.watched = target if isinstance(target, str) else None
+        if not isinstance(target, str):
+            self.dancing.look(None if target is None else np.array(self.own(target)))
 
     def _follow_word(self, do: str) -> None:
         """Carries out an instruction of one word."""

@@ -26,7 +26,7 @@ from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.people.body_frames import FRAMES
-from pipeline.simulation.people.face_tracker import FaceTracker
+from pipeline.simulation.people.face_tracker import FaceInputs, FaceTracker
 from pipeline.simulation.people.guided_dance import BodyStrike, strike_contact
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
@@ -36,7 +36,10 @@ from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.dance import Dance
 from pipeline.spec.dancer import Dancer
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.script import Instruction, Perform, Reach
+
+JOY = EMOTIONS.index("joy")
 
 
 class DancerTroupe(Troupe):
@@ -82,6 +85,7 @@ class DancerTroupe(Troupe):
             for name, look in zip(names, self.looks, strict=True)
         ]
         self._rows: list[tuple[Array, Array, Array]] = []
+        self._moods: list[FaceInputs] = []
         self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
         self._arrived, self._outcomes = list[str](), list[Outcome]()
 
@@ -148,14 +152,19 @@ class DancerTroupe(Troupe):
             p.append(self.p_WB[k] + (p_BN[:, None, :] * R_WB).sum(axis=2))
             values += [dancer.moving.q.copy(), dancer.moving.torques()]
         self._rows.append((np.concatenate(R), np.concatenate(p), np.concatenate(values)))
+        calm = FaceInputs.calm(len(self.directed))
+        calm.felt[:, JOY] = [dancer.joy for dancer in self.directed]
+        calm.told[:] = [dancer.told for dancer in self.directed]
+        self._moods.append(calm)
 
     def write(self, rows: Rows) -> None:
         """Writes the buffered rows."""
         for k, (R, p, values) in enumerate(self._rows):
             rows.rotations[k], rows.positions[k], rows.values[k] = R, p, values
         rows.alive[:] = True
-        rows.expressions[:] = self._faces.calm(len(self._rows))
+        rows.expressions[:] = self._faces.faces(self._moods)
         self._rows.clear()
+        self._moods.clear()
 
     def facts(self) -> Facts:
         """Returns hand contacts of the last step, and who finished bars and reaches."""

@@ -41,7 +41,8 @@ ORIGINS = tuple(name for name in JOINTS if name != "head")
 
 HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
 LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend
-CLASP_BEND = 1.3  # of hands that lie around somebody, inward, as a tangent
+CLASP_BEND = 2.0  # of hands that lie around somebody, inward, as a tangent
+CLASP_CURL = 1.0  # of the same, back towards the own chest
 
 ARM_SPREAD = normalized(np.array([1.0, -0.6, 0.7]))
 LEG_SPREAD = normalized(np.array([1.0, -1.0, 0.15]))
@@ -105,7 +106,8 @@ def clasping_hands(forearms: Array, chest: Array, share: Array) -> Array:
     """
     along = -forearms[..., 1]
     inward = chest[..., None, :, 2] * np.array([[1.0], [-1.0]])
-    bent = normalized(along + CLASP_BEND * share[..., None] * inward)
+    back = -chest[..., None, :, 0]
+    bent = normalized(along + share[..., None] * (CLASP_BEND * inward + CLASP_CURL * back))
     return np.stack([_swing_rotated(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
 
 

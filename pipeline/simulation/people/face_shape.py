@@ -50,7 +50,7 @@ class FaceShape:
         """Middle (3,) and radius of the right eyeball."""
         c = self.child
         middle = np.array([0.283 - 0.008 * c, ADULT_EYE_HEIGHT - self.drop, 0.150])
-        return middle, 0.070 + 0.012 * c
+        return middle, 0.080 + 0.008 * c
 
     @property
     def drop(self) -> float:

@@ -246,10 +246,10 @@ def ears(head: Head) -> SkinnedPatch:
     return with_mirror(replace(patch, tint=red))
 
 
-EYE_RINGS_DEG = np.array([8.0, 14.0, 15.0, 22.0, 29.0, 30.0, 34.0, 36.0, 50.0, 68.0, 90.0, 130.0])
+EYE_RINGS_DEG = np.array([8.0, 15.0, 17.0, 22.0, 29.0, 30.0, 34.0, 36.0, 50.0, 68.0, 90.0, 130.0])
 """Rings of an eyeball around its axis, denser where its colour changes."""
 
-PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 14.5, 29.5, 35.0
+PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 16.0, 29.5, 35.0
 """Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
 
 LID_SHADE, CORNER_SHADE = 0.52, 0.30

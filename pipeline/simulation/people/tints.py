@@ -36,7 +36,7 @@ TOOTH_COLOR, LASH_COLOR = (0.50, 0.46, 0.38), (0.012, 0.008, 0.006)
 SHEEN_COLOR = (0.36, 0.32, 0.28)
 """Colour of the gloss of hair, linear: that of the sky, whatever the hair's is."""
 
-LIMBUS_SHADE = 0.4
+LIMBUS_SHADE = 0.3
 """Colour of the rim of an iris, in that of the iris."""
 
 PALE_SOLES = ("white cloth",)

@@ -12,7 +12,7 @@ from pipeline.errors import SceneError
 from pipeline.production.goldens.motion_digest import motion_digest
 from pipeline.simulation.characters.person_record import persons_of
 from pipeline.simulation.characters.pose_output import eye_aims
-from pipeline.simulation.expressions import EXPRESSIONS
+from pipeline.simulation.expressions import AT_EASE, EXPRESSIONS
 from pipeline.simulation.face_units import COLUMNS, EYE_TURN, HANDS, UNITS
 from pipeline.simulation.people.face_tracker import (
     BLINK,
@@ -189,7 +189,7 @@ def test_takes_hold_faces_and_motion_does_not_depend_on_them(tmp_path: Path) -> 
     assert [face.performer for face in joyful.faces] == ["ann", "ben"]
     assert joyful.expressions.shape == (len(joyful.positions), 2, len(COLUMNS))
     assert joyful.expressions[-1, 1, SMILE] == pytest.approx(0.5, abs=0.02)
-    assert joyful.expressions[-1, 0, SMILE] == 0.0
+    assert joyful.expressions[-1, 0, SMILE] == pytest.approx(AT_EASE[SMILE])
     assert joyful.digest != plain.digest
     assert motion_digest(joyful) == motion_digest(plain)
     write_take(joyful, tmp_path / "take.zarr")

@@ -10,7 +10,9 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.dancer_troupe import DancerTroupe
-from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.expressions import AT_EASE
+from pipeline.simulation.face_units import UNITS
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.spec import dump, read_scene
 from pipeline.spec.rpc_instruction import instruction_of
 
@@ -463,3 +465,18 @@ def test_waving_raises_the_hand_and_applauding_claps(by: str) -> None:
     wanted = 4.0 + 0.4 * np.arange(4)
     assert len(times) == 4
     assert np.abs(times - wanted)[1:].max() < 1 / 24
+
+
+def test_dancers_show_joy_while_they_dance_and_what_they_are_told() -> None:
+    smile = UNITS.index("smile")
+    text = SCENE.format(
+        duration=6,
+        more="",
+        config="start: 0",
+        script="  - {at: 2, who: ada, do: {express: joy}}\n"
+        "  - {at: 4, who: ada, do: {express: own}}\n  - {at: 4, who: ada, do: stop}",
+    )
+    take = simulate(read_scene(text))
+    rows = (np.array([1.9, 3.9, 6.0]) / 6.0 * (len(take.expressions) - 1)).astype(int)
+    shown = take.expressions[rows, 0, smile]
+    np.testing.assert_allclose(shown, [0.5, 1.0, AT_EASE[smile]], atol=0.03)

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from pipeline.production.shots.skinning import Skin
-from pipeline.simulation.expressions import EXPRESSIONS, face_of
+from pipeline.simulation.expressions import ACTIONS, AT_EASE, EXPRESSIONS, face_of
 from pipeline.simulation.face_units import COLUMNS, EYE_TURN, UNITS
 from pipeline.simulation.people.face_mesh import FaceGrid, face_grid
 from pipeline.simulation.people.face_morphs import FaceSkin, unit_offsets
@@ -109,7 +109,8 @@ def test_mixed_emotions_stay_within_full_action() -> None:
     mixed = face_of(np.ones(len(EMOTIONS)))
     assert (mixed >= 0.0).all()
     assert (mixed <= 1.0).all()
-    np.testing.assert_array_equal(face_of(np.zeros(len(EMOTIONS))), 0.0)
+    np.testing.assert_array_equal(face_of(np.zeros(len(EMOTIONS))), AT_EASE)
+    np.testing.assert_allclose(face_of(np.eye(len(EMOTIONS))), ACTIONS, atol=1e-12)
     half = face_of(0.5 * np.eye(len(EMOTIONS))[0])
     assert half[UNITS.index("smile")] == pytest.approx(0.5 * EXPRESSIONS["joy"]["smile"])
 

@@ -189,9 +189,48 @@ def clover(seed: int, level: int) -> Prototype:
     return shape.prototype()
 
 
+FERN_STALK = np.array([0.150, 0.140, 0.050])
+"""Colour of the middle of a frond, linear."""
+
+LOBES = 6
+"""Pairs of lobes of a leaflet of a fern that is close."""
+
+
+def _add_lobes(
+    shape: Shape, bases: Array, way: Array, face: Array, size: Array, color: Array
+) -> None:
+    """Add N leaflets of a frond, each parted into lobes on both sides.
+
+    Args:
+        shape: to which they are added.
+        bases: (N, 3) where leaflets begin [m].
+        way: (N, 3) unit vectors along them.
+        face: (N, 3) about their upper sides.
+        size: (N,) lengths [m].
+        color: (N, 3) linear.
+    """
+    t = (np.arange(LOBES) + 0.4) / LOBES
+    across = unit(np.cross(way, face))
+    start = bases[:, None] + (size[:, None] * t)[..., None] * way[:, None]
+    # They hang down a little towards the tip.
+    start = start - (0.16 * size[:, None] * t * t)[..., None] * UP
+    long = 0.19 * size[:, None] * (1.15 - t) ** 0.8
+    shades = np.repeat(color, LOBES, axis=0)
+    normals = np.repeat(unit(face + 0.4 * UP), LOBES, axis=0)
+    for sign in (-1.0, 1.0):
+        ways = np.repeat(sign * across + 0.75 * way - 0.12 * UP, LOBES, axis=0)
+        add_leaves(
+            *(shape, start.reshape(-1, 3), ways, np.repeat(face, LOBES, axis=0)),
+            *(long.reshape(-1), 0.5 * long.reshape(-1), shades, normals),
+        )
+    tip, short = start[:, -1], 0.2 * size
+    add_leaves(shape, tip, way - 0.3 * UP, face, short, 0.4 * short, color, unit(face + 0.4 * UP))
+
+
 def fern(seed: int, level: int) -> Prototype:
-    """Return a fern: arching fronds with leaflets on both sides."""
+    """Return a fern: arching fronds with leaflets on both sides, that are parted again if close."""
     rng, shape = np.random.default_rng([seed, 31]), Shape()
+    is_close, level = level == 0, max(level - 1, 0)
     fronds, each = ((13, 15), (10, 8), (7, 3))[level]
     for k in range(fronds):
         heading = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / fronds
@@ -210,8 +249,18 @@ def fern(seed: int, level: int) -> Prototype:
         color = green * (0.75 + 0.5 * t)[:, None]
         for sign in (-1.0, 1.0):
             way = sign * side + 0.45 * along - 0.18 * UP
+            if is_close:
+                _add_lobes(shape, rachis, unit(way), face, size, color)
+                continue
             wide = (0.24 if level == 0 else 0.42 if level == 1 else 0.9) * size
             add_leaves(shape, rachis, way, face, size, wide, color, unit(face + 0.4 * UP))
+        if is_close:
+            add_tubes(
+                *(shape, np.vstack([np.zeros(3), rachis[:-1]]), rachis),
+                *(0.007 * length * (1.0 - 0.8 * t), 0.007 * length * (1.0 - 0.8 * t)),
+                np.tile(FERN_STALK, (each, 1)),
+                4,
+            )
         tip = rachis[-1:]
         add_leaves(shape, tip, along[-1:], face[-1:], size[-1:], 0.5 * size[-1:], color[-1:])
     return shape.prototype()

@@ -260,7 +260,7 @@ KINDS: dict[str, Species] = {
     ),
     "fern": Species(
         *(herbs.fern, 1.6, "cover", 0.5, 0.5),
-        levels=(5.0, 14.0),
+        levels=(2.2, 5.0, 14.0),
         near=8.0,
         reach=70.0,
         cover=0.4,

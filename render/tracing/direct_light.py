@@ -66,7 +66,7 @@ def surface_light(
         arriving *= wet * water.reaching(si.p, sample)
     light, open_light = mi.Color3f(0.0), mi.Color3f(0.0)
     if has_lamps:
-        si.p += shadow_offset(hit, si, sample.d, is_solid & si.is_valid())
+        si.p += shadow_offset(hit, si, sample.d, is_solid, si.is_valid())
         light, open_light = unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
         )

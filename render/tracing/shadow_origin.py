@@ -5,6 +5,9 @@ light that the smooth normals still see, and rays from them would end in the mes
 would have the outline of the faces. So rays start on the round surface that the normals of the
 corners describe.
 
+Strands of a coat would shade one another in dots: their shadow rays start above the coat. How far
+above them that is, is the length of their normals beyond 1.
+
 Source: Hanika 2021; the rise besides is ours.
 """
 
@@ -22,26 +25,30 @@ SPARE = 2.0
 """Rise besides, in the height of the round surface over its faces: neighbouring faces rise, too."""
 
 
-def shadow_offset(hit: Any, si: Any, direction: Any, active: Any) -> Any:
+def shadow_offset(hit: Any, si: Any, direction: Any, is_solid: Any, active: Any) -> Any:
     """Return the vector from points on faces to where their shadow rays start, `mi.Vector3f` [m].
 
-    It is zero where the surface is flat or hollow towards the light.
+    It is zero where the surface is flat or hollow towards the light, and on thin sheets.
 
     Args:
         hit: preliminary intersection with the face and the place in it.
         si: surface interaction at the same place.
         direction: to the light, unit vector.
+        is_solid: which points are of surfaces that are no thin sheets.
         active: which points are asked for.
     """
     # A light behind the surface sees its other side, where hollows are round.
     side = dr.select(dr.dot(si.sh_frame.n, direction) < 0.0, mi.Float(-1), mi.Float(1))
-    offset = dr.dispatch(hit.shape, _rise, hit.prim_index, hit.prim_uv, si.p, side, active)
+    places = hit.prim_index, hit.prim_uv, si.p
+    offset, lift = dr.dispatch(hit.shape, _rise, *places, side, active)
     length = dr.norm(offset)
-    return offset * dr.select(length > MAX_RISE, MAX_RISE / length, 1.0)
+    offset *= dr.select(length > MAX_RISE, MAX_RISE / length, 1.0)
+    above = dr.select(side > 0.0, lift * si.sh_frame.n, 0.0)
+    return dr.select(is_solid, offset, 0.0) + above
 
 
-def _rise(shape: Any, face: Any, place: Any, p: Any, side: Any, active: Any) -> Any:
-    """Return the way from points of one shape to its round surface, `mi.Vector3f` [m].
+def _rise(shape: Any, face: Any, place: Any, p: Any, side: Any, active: Any) -> tuple[Any, Any]:
+    """Return the way from points of one shape to its round surface, and their lift [m].
 
     Args:
         shape: of Mitsuba.
@@ -51,9 +58,9 @@ def _rise(shape: Any, face: Any, place: Any, p: Any, side: Any, active: Any) -> 
         side: 1 where the light is in front of the surface, -1 behind it.
         active: which points are asked for.
     """
-    offset, middle = mi.Vector3f(0.0), mi.Vector3f(0.0)
+    offset, middle, lift = mi.Vector3f(0.0), mi.Vector3f(0.0), mi.Float(0.0)
     if not isinstance(shape, mi.Mesh) or not shape.has_vertex_normals():
-        return offset
+        return offset, lift
     found = shape.face_indices(face, active)
     corners = found.x, found.y, found.z
     at = [shape.vertex_position(corner, active) for corner in corners]
@@ -61,8 +68,9 @@ def _rise(shape: Any, face: Any, place: Any, p: Any, side: Any, active: Any) -> 
     shares = 1.0 - place.x - place.y, place.x, place.y
     bend: Any = mi.Float(0.0)
     for i, share in enumerate(shares):
+        lift += share * (dr.norm(normals[i]) - 1.0)
         k = (i + 1) % 3
         offset -= share * dr.minimum(dr.dot(p - at[i], normals[i]), 0.0) * normals[i]
         bend = dr.maximum(bend, dr.abs(dr.dot(normals[k] - normals[i], at[k] - at[i])))
         middle += share * normals[i]
-    return offset + SPARE * bend / 8.0 * middle
+    return offset + SPARE * bend / 8.0 * middle, dr.maximum(lift, 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.coats.grain import pixel_sizes
-from pipeline.production.coats.pelt import Pelt, grown_pelt, strand_count
+from pipeline.production.coats.pelt import Pelt, grown_pelt, strand_count, undercoat
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Part, Take
@@ -44,12 +44,14 @@ class Coats:
         parts: the visible ones.
         pelts: by number of the visible part.
         tips: of the hair at each vertex, part after part of those with a pelt.
+        covers: colours (V, 4) of the skin below each pelt, see `Mesh`.
     """
 
     take: Take
     parts: Sequence[Part]
     pelts: Mapping[int, Pelt]
     tips: Skin
+    covers: Mapping[int, NDArray[np.float32]]
 
     @staticmethod
     def of(
@@ -76,7 +78,10 @@ class Coats:
             pelts[i] = grown_pelt(take.meshes[part.seen], material, count, width, (seed, i), names)
         meshes = [take.meshes[parts[i].seen] for i in pelts]
         tips = Skin.of_meshes(take, meshes, [mesh.vertices + mesh.hair for mesh in meshes])
-        return Coats(take, parts, pelts, tips)
+        covers = {
+            i: undercoat(take.meshes[parts[i].seen], materials[parts[i].material]) for i in pelts
+        }
+        return Coats(take, parts, pelts, tips, covers)
 
     def at(
         self, row: float, skins: Sequence[NDArray[np.float32]], camera: CameraPose, height: int

@@ -52,6 +52,12 @@ BOW = 0.13
 SUNK = 0.04
 """Depth of roots below the skin, in the length of the hair."""
 
+LIFT = 1.5
+"""Height above the skin at which shadow rays of strands start, in that of their tips."""
+
+UNDERCOAT = 0.8
+"""Brightness of skin below a coat, in that of its colour: gaps between strands would be specks."""
+
 SIDE_TURN = 0.45
 """How far normals turn to the side at the edges of a ribbon, which looks round by it."""
 
@@ -167,13 +173,16 @@ class Pelt:
             width = np.maximum(self.width, PIXELS * pixel * away)
             width *= 1.0 + WIDENED * (1.0 - self.relief)
             placed, bent = _ribbons(root, tip, n, length, eye, width, self.relief)
+        # Single strands that the others leave in the light would be specks.
+        above = np.maximum((lie * n).sum(axis=-1, keepdims=True), 0.0) + BOW * length
+        lift = 0.0 if self.vanes else (LIFT * above)[:, None]
         if not alive:
             # Hidden by collapsing, because the topology of a build is constant.
             placed = np.zeros_like(placed)
         return Mesh(
             *(self.name, placed.reshape(-1, 3).astype(np.float32), self.faces, self.material),
             colors=self.colors.reshape(-1, 3),
-            normals=normalized(bent).reshape(-1, 3).astype(np.float32),
+            normals=((1.0 + lift) * normalized(bent)).reshape(-1, 3).astype(np.float32),
             owner=self.owner,
         )
 
@@ -341,10 +350,24 @@ def skin_colors(
     mesh: TakeMesh, material: Material, corners: NDArray[np.int64], shares: Array
 ) -> Array:
     """Return the linear colours (N, 3) of the skin at the roots."""
+    result: Array = (_vertex_colors(mesh, material)[corners] * shares[..., None]).sum(axis=1)
+    return result
+
+
+def undercoat(mesh: TakeMesh, material: Material) -> NDArray[np.float32]:
+    """Return the linear colour and its share (V, 4) of a skin, as dark as it is below a coat."""
+    grows = (np.linalg.norm(mesh.hair, axis=-1) > 0.0)[:, None]
+    dark = UNDERCOAT * _vertex_colors(mesh, material)
+    bare = mesh.paint if len(mesh.paint) else np.zeros((len(dark), 4))
+    below = np.concatenate([dark, np.ones((len(dark), 1))], axis=1)
+    return np.where(grows, below, bare).astype(np.float32)
+
+
+def _vertex_colors(mesh: TakeMesh, material: Material) -> Array:
+    """Return the linear colours (V, 3) of a skin."""
     own = linear(material.color)
     if not len(mesh.paint):
-        return np.tile(own, (len(corners), 1))
+        return np.tile(own, (len(mesh.vertices), 1))
     paint = mesh.paint.astype(float)
-    mixed = paint[:, 3:] * paint[:, :3] + (1.0 - paint[:, 3:]) * own
-    result: Array = (mixed[corners] * shares[..., None]).sum(axis=1)
+    result: Array = paint[:, 3:] * paint[:, :3] + (1.0 - paint[:, 3:]) * own
     return result

@@ -131,6 +131,7 @@ class ShotBuilder:
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
         self._coats = self._grown_coats()
+        self._covers = self._coats.covers if self._coats is not None else {}
         self._beads = self._standing_beads()
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
@@ -266,7 +267,7 @@ class ShotBuilder:
                     *(piece.name, placed, mesh.faces, piece.material),
                     rest=rest,
                     owner=piece.performer,
-                    cover=mesh.paint if len(mesh.paint) else None,
+                    cover=self._covers.get(i, mesh.paint if len(mesh.paint) else None),
                 )
             )
         camera = self._interpolator.at(frame, part)

@@ -163,7 +163,7 @@ class ArthropodHide:
             solids = self._link_solids(chain, i, claw, sign)
             own = found.setdefault(first, [])
             for solid in solids:
-                paint = joint_paint(chain, i, solid, 0.8 if self.kind == "beetle" else 0.5)
+                paint = joint_paint(chain, i, solid, self._leg_style)
                 hair = limb_bristles(self.figure, solid, chain.ways[i])
                 own.append(self.stance.rigid(solid, number, paint, hair))
             if number != first:
@@ -293,7 +293,7 @@ class ArthropodHide:
         # Compound eyes: large, drawn out along the side of the head.
         unit = small_ball(np.zeros(3), 1.0, 12, 9)
         sizes = r * scale * np.array(COMPOUND_EYES.get(self.kind, USUAL_COMPOUND_EYE))
-        at = tip + r * np.array([0.18, 0.20, side * 0.86])
+        at = tip + r * np.array([0.40, 0.24, side * 0.80])
         yield outward(Solid(at + sizes * unit.vertices, unit.faces))
 
 

@@ -50,8 +50,11 @@ def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lu
     side = cross(way, UP)
     axes = np.stack([way, UP, side])
     wide = _paw_width(toes, claws) * float(girth[0])
+    if toes == 2 and not claws:
+        yield from _pad_lumps(tip, r, axes, wide)
+        return
     yield ball(tip + r * (0.10 * way - 0.25 * UP), (1.15 * r, 0.72 * r, wide * r), 0.5 * r, axes)
-    if toes == 2 and claws:
+    if toes == 2:
         # The sole of a hopper goes on below its long toes.
         ends = (0.66 * r, 0.85 * wide * r), (0.50 * r, 0.72 * wide * r)
         yield cone(
@@ -63,9 +66,26 @@ def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lu
         off = place * (wide - 0.55 * thick)
         root = tip + r * (0.45 * way - 0.35 * UP + off * side)
         end = tip + r * (
-            _toe_reach(toes, place, claws) * way - (0.98 - thick) * UP + 1.12 * off * side
+            _toe_reach(toes, place) * way - (0.98 - thick) * UP + 1.12 * off * side
         )
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
+
+
+def _pad_lumps(tip: Array, r: float, axes: Array, wide: float) -> Iterator[Lump]:
+    """Yield the broad, flat pad of a camel, parted in front into two toes.
+
+    Args:
+        tip: (3,) end of the leg [m].
+        r: its drawn radius [m].
+        axes: (3, 3) directions ahead, up and to the side, as rows.
+        wide: half the width of the pad, in the radius.
+    """
+    way, _, side = axes
+    yield ball(tip + r * (0.05 * way - 0.15 * UP), (0.78 * r, 0.62 * r, 0.66 * r), 0.4 * r, axes)
+    yield ball(tip + r * (0.25 * way - 0.58 * UP), (1.25 * r, 0.40 * r, wide * r), 0.35 * r, axes)
+    for sign in (-1.0, 1.0):
+        at = tip + r * (1.05 * way - 0.64 * UP + 0.50 * sign * wide * side)
+        yield ball(at, (0.82 * r, 0.34 * r, 0.44 * wide * r), 0.10 * r, axes)
 
 
 def hand_lumps(chain: Chain, fingers: int, girth: Array) -> Iterator[Lump]:
@@ -101,12 +121,9 @@ def _paw_width(toes: int, claws: bool) -> float:
     return 1.15 if toes > 2 or not claws else 0.95
 
 
-def _toe_reach(toes: int, place: float, claws: bool) -> float:
+def _toe_reach(toes: int, place: float) -> float:
     """Return how far ahead a toe ends, in the radius of its foot, by its place from -1 to 1."""
-    size = 1.0
-    if toes == 2:
-        # Of a hopper, or of a pad as of a camel.
-        size = TWO_TOES if claws else 0.85
+    size = TWO_TOES if toes == 2 else 1.0
     return size * (1.05 + 0.45 * (1.0 - 0.30 * place**2))
 
 
@@ -119,7 +136,7 @@ def paw_claws(chain: Chain, toes: int, girth: Array, size: float = CLAW_SIZE) ->
         thick = 0.80 / max(toes, 2) ** 0.55
         wide = _paw_width(toes, True) * float(girth[0])
         off = place * (wide - 0.55 * thick) * 1.12
-        ahead = _toe_reach(toes, place, True) + 0.7 * thick
+        ahead = _toe_reach(toes, place) + 0.7 * thick
         root = tip + r * (ahead * way - (0.90 - thick) * UP + off * side)
         curve = np.array(
             [

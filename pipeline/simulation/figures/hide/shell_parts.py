@@ -38,17 +38,35 @@ class LegStyle:
         thick: factor on the drawn radius.
         flat: width across the upright, in the height.
         jointed: whether the last link has the segments of a foot.
+        patella: whether the shin begins with a short link of its own, and the foot has two.
+        dark: share of a dark colour at the joints.
     """
 
     thick: float = 1.0
     flat: float = 1.0
     jointed: bool = True
+    patella: bool = False
+    dark: float = 0.5
 
+
+PATELLA = (
+    (0.0, 0.05, 0.13, 0.19, 0.225, 0.27, 0.50, 0.93, 1.0),
+    (0.66, 1.1, 1.22, 1.05, 0.62, 0.92, 1.18, 0.84, 0.62),
+)
+"""Thickness along a shin with a patella before it."""
+
+METATARSUS = (
+    (0.0, 0.08, 0.3, 0.56, 0.62, 0.68, 0.85, 1.0),
+    (0.62, 1.0, 0.92, 0.86, 0.56, 0.86, 0.84, 0.5),
+)
+"""Thickness along a foot of two segments."""
 
 LEG_STYLES = {
     "crab": LegStyle(1.1, 0.62, jointed=False),
     "centipede": LegStyle(1.15, 0.8, jointed=False),
     "scorpion": LegStyle(1.1, 0.75),
+    "spider": LegStyle(1.08, patella=True, dark=0.85),
+    "beetle": LegStyle(dark=0.8),
 }
 """By the kind of shell; others have round legs as drawn."""
 
@@ -68,9 +86,12 @@ def leg_segment(chain: Chain, i: int, detail: float, style: LegStyle = LegStyle(
         # The base of a leg is no thicker than its knee, though its hip may be.
         r_a = min(r_a, 1.35 * r_b)
     is_foot = i == len(chain.ways) - 1 and i > 0
-    t = np.linspace(0.0, 1.0, round(detail * (14 if is_foot else 9)))
+    is_parted = style.patella and i > 0
+    t = np.linspace(0.0, 1.0, round(detail * (24 if is_parted else 14 if is_foot else 9)))
     radii = r_a + (r_b - r_a) * t
-    if is_foot and not style.jointed:
+    if is_parted:
+        shape = np.interp(t, *(METATARSUS if is_foot else PATELLA))
+    elif is_foot and not style.jointed:
         # A blade that bends and ends in a point.
         shape = np.interp(t, [0.0, 0.10, 0.3, 0.7, 1.0], [0.66, 1.0, 1.05, 0.85, 0.4])
     elif is_foot:
@@ -79,7 +100,8 @@ def leg_segment(chain: Chain, i: int, detail: float, style: LegStyle = LegStyle(
     else:
         # A thigh is thickest before its middle, a shin at its end.
         top = 0.42 if i == 0 else 0.66
-        shape = np.interp(t, [0.0, 0.10, top, 0.92, 1.0], [0.60, 0.84, 1.28, 0.96, 0.70])
+        belly = 1.55 if style.patella else 1.28
+        shape = np.interp(t, [0.0, 0.10, top, 0.92, 1.0], [0.60, 0.84, belly, 0.96, 0.70])
     middle = a + t[:, None] * (b - a)
     # Shells of legs are a little bowed, but around their link.
     height = min(0.06 * float(chain.lengths[i]), 0.8 * float((radii * shape)[len(t) // 2]))
@@ -145,20 +167,27 @@ def _spines(chain: Chain, i: int, side: Array, r: float) -> Iterator[Solid]:
             yield tube(curve, r * np.array([0.24, 0.03]), 5)
 
 
-def joint_paint(chain: Chain, i: int, solid: Solid, share: float) -> Paint:
+PATELLA_END, METATARSUS_END = 0.225, 0.62
+"""Places of the inner joints of a parted shin and foot, along them."""
+
+
+def joint_paint(chain: Chain, i: int, solid: Solid, style: LegStyle) -> Paint:
     """Return the paint of a link that is dark at its joints, and the more so further out.
 
     Args:
         chain: the limb as it stands.
         i: number of the link.
         solid: of the link.
-        share: of the dark colour at a joint.
+        style: of the limbs of its kind.
     """
     along = ((solid.vertices - chain.points[i]) * chain.ways[i]).sum(axis=-1)
     t = along / float(chain.lengths[i])
     ends = np.exp(-((t / (0.10 if i else 0.2)) ** 2)) + np.exp(-(((t - 1.0) / 0.16) ** 2))
+    if style.patella and i > 0:
+        inner = PATELLA_END if i < len(chain.ways) - 1 else METATARSUS_END
+        ends += np.exp(-(((t - inner) / 0.07) ** 2))
     outward = (i + np.clip(t, 0.0, 1.0)) / len(chain.ways)
-    dark = share * np.clip(ends + 1.4 * np.maximum(outward - 0.3, 0.0), 0.0, 1.0)
+    dark = style.dark * np.clip(ends + 1.4 * np.maximum(outward - 0.3, 0.0), 0.0, 1.0)
     return painted(len(t), JOINT_COLOR, dark)
 
 

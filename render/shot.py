@@ -48,7 +48,8 @@ class Mesh:
             [m], on which patterns lie; or None. Constant.
         footprints: all footprints of the film in this ground, or None. Constant.
         colors: (V, 3) float32 linear colours, or None. Constant over a film.
-        normals: (V, 3) float32 unit normals to shade with, None to have them computed.
+        normals: (V, 3) float32 normals to shade with, None to have them computed. What is longer
+            than 1 casts its shadow rays from so many metres above itself.
         owner: name of the performer that it is a part of, or empty. Constant.
         cover: (V, 4) float32 linear colour in place of that of the material, and its share; or
             None. On a body it takes the place of the base colour, under the pattern. Constant over

@@ -82,7 +82,7 @@ def material_bsdf(
     if has_cover and is_body and not has_pattern and not is_warned:
         shader = PaintedShader(material)
     elif has_colors or not (has_pattern or is_ground):
-        shader = PlainShader(mi.load_dict(plain))
+        shader = PlainShader(material, mi.load_dict(plain) if has_colors else None)
     elif has_pattern and surface == "body":
         shader = BodyShader(material, has_cover=has_cover)
     else:

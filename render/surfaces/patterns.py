@@ -246,14 +246,20 @@ class GroundShader:
 
 
 class PlainShader:
-    """Shades a surface without pattern in the colour of a texture of Mitsuba."""
+    """Shades a surface without pattern in its material's colour, or that of a texture of Mitsuba.
 
-    def __init__(self, texture: Any) -> None:
-        self._texture = texture
+    A texture of one colour, which no mesh holds, would be unknown to a frozen kernel.
+    """
+
+    def __init__(self, material: Material, texture: Any = None) -> None:
+        self._color, self._texture = _linear(material.color), texture
         self.values: dict[str, Any] = {}
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at surface interactions."""
+        if self._texture is None:
+            color = dr.clip(mi.Color3f(*self._color), MIN_REFLECTANCE, MAX_REFLECTANCE)
+            return color, si.sh_frame.n
         return _told(self._texture.eval(si), LOST_COLOR), si.sh_frame.n
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from render.config import Film, light, material
 from render.renderer import Renderer
@@ -53,3 +56,32 @@ def test_faces_of_a_coarse_ball_throw_no_shade_on_it(renderer: Renderer) -> None
     dark = inside & (fine == 0.0)
     assert np.count_nonzero(dark) > 100
     assert coarse[dark].mean() < 0.01 * fine.max()
+
+
+@pytest.mark.parametrize(("lift", "is_lit"), [(0.0, False), (1.5, True)])
+def test_shadow_rays_start_above_a_sheet_by_what_its_normals_are_longer_than_1(
+    renderer: Renderer, lift: float, is_lit: bool
+) -> None:
+    """Under a card half way to the lamp, 1 m up: rays that start above it meet nothing."""
+    corners = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], np.float32)
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+    up = np.tile(np.array([0.0, 1.0 + lift, 0.0], np.float32), (4, 1))
+    sheet = Mesh("sheet", 0.1 * corners, faces, "leaf", normals=up)
+    above = np.array([1.0, 1.0, 0.0], np.float32)
+    card = Mesh("card", 0.3 * corners + above, faces, "bone", smooth=False)
+    lit = light(
+        {
+            "studio": {"fill": 0, "rim": 0, "backdrop": [0, 0, 0]},
+            "lamps": [{"at": [2, 2, 0], "radius": 0, "brightness": 40}],
+        }
+    )
+    film = Film(size=(16, 16), samples=4, depth=2, denoise="off")
+    camera = CameraPose((-1.0, 1.0, 0.0), (0.0, 0.0, 0.0), fov_deg=4.0)
+    looks = {
+        "leaf": material({"color": "#ffffff", "roughness": 1, "translucency": 0.3}),
+        "bone": material("bone"),
+    }
+    shot = Shot((sheet, card), looks, lit, camera, film, 0)
+    dark = replace(shot, light=lit.model_copy(update={"lamps": ()}))
+    light_of_lamp = renderer.render(shot).light - renderer.render(dark).light
+    assert (light_of_lamp.mean() > 1.0) == is_lit

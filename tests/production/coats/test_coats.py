@@ -99,6 +99,25 @@ def test_hair_grows_on_the_hide_and_stands_off_little() -> None:
             assert skin.query(ribbons[:, place])[0].max() < most
 
 
+def test_skin_below_hair_is_as_dark_as_the_coat_and_bare_skin_as_it_is() -> None:
+    built = builder("kangaroo")
+    shown = {mesh.name: mesh for mesh in built.shot(1).meshes if mesh.owner == "it"}
+    dark = bare = 0
+    for part in built.take.parts:
+        mesh = built.take.meshes[part.seen]
+        if not len(mesh.hair) or not len(mesh.paint) or f"{part.name} coat" not in shown:
+            continue
+        cover, grows = shown[part.name].cover, np.linalg.norm(mesh.hair, axis=-1) > 0.0
+        assert cover is not None
+        assert (cover[grows, 3] == 1.0).all()
+        full = grows & (mesh.paint[:, 3] > 0.9)
+        assert not full.any() or cover[full, :3].mean() < 0.9 * mesh.paint[full, :3].mean()
+        np.testing.assert_array_equal(cover[~grows], mesh.paint[~grows])
+        dark, bare = dark + np.count_nonzero(full), bare + np.count_nonzero(~grows)
+    assert dark > 0
+    assert bare > 0
+
+
 def test_hair_does_not_reach_into_the_ground() -> None:
     for figure in ("kangaroo", "horse", "camel"):
         low = min(float(mesh.vertices[:, 1].min()) for mesh in strands(figure, 6))

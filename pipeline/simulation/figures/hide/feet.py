@@ -65,9 +65,7 @@ def paw_lumps(chain: Chain, toes: int, girth: Array, claws: bool) -> Iterator[Lu
         thick = 0.80 / max(toes, 2) ** 0.55
         off = place * (wide - 0.55 * thick)
         root = tip + r * (0.45 * way - 0.35 * UP + off * side)
-        end = tip + r * (
-            _toe_reach(toes, place) * way - (0.98 - thick) * UP + 1.12 * off * side
-        )
+        end = tip + r * (_toe_reach(toes, place) * way - (0.98 - thick) * UP + 1.12 * off * side)
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
 
 
@@ -82,9 +80,9 @@ def _pad_lumps(tip: Array, r: float, axes: Array, wide: float) -> Iterator[Lump]
     """
     way, _, side = axes
     yield ball(tip + r * (0.05 * way - 0.15 * UP), (0.78 * r, 0.62 * r, 0.66 * r), 0.4 * r, axes)
-    yield ball(tip + r * (0.25 * way - 0.58 * UP), (1.25 * r, 0.40 * r, wide * r), 0.35 * r, axes)
+    yield ball(tip + r * (0.25 * way - 0.44 * UP), (1.25 * r, 0.40 * r, wide * r), 0.35 * r, axes)
     for sign in (-1.0, 1.0):
-        at = tip + r * (1.05 * way - 0.64 * UP + 0.50 * sign * wide * side)
+        at = tip + r * (1.05 * way - 0.48 * UP + 0.50 * sign * wide * side)
         yield ball(at, (0.82 * r, 0.34 * r, 0.44 * wide * r), 0.10 * r, axes)
 
 

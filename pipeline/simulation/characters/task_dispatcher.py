@@ -6,7 +6,8 @@ Source: Sims 1987, 3.2.4; Horswill 2008, "High-level Control", for the orders.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -48,7 +49,7 @@ from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
 from pipeline.simulation.characters.shove_task import Grapple
-from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.compiled import Records, bound
 from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.order_outcome import GripChange, Outcome
 from pipeline.simulation.script import Orders
@@ -281,14 +282,17 @@ class TaskDispatcher:
                 self._looked_at[k] = looked_at[k]
             else:
                 self._command_one(k, controller, giving, time)
-        look_at_characters(
-            *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
-            *(self._people, self._looked_at),
-        )
+        self._look_at_characters()
         for k, giving in givings.items():
             if giving.is_taken:
                 giving.giver.release(giving.thing)
                 self.end(k)
+
+    @cached_property
+    def _look_at_characters(self) -> Callable[[], None]:
+        arrays = self.view.arrays
+        looked = self._persons, arrays.nodes, arrays.owners, self._people, self._looked_at
+        return bound(look_at_characters, *looked)
 
     def _rests(self, k: int, giving: HandOver | None) -> bool:
         """Tell whether a person goes on as it was commanded in the step before."""

@@ -29,6 +29,7 @@ from pipeline.simulation.characters.mind.perception import (
     Memory,
     Surroundings,
 )
+from pipeline.simulation.characters.mind.sight import Sight
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
@@ -121,6 +122,7 @@ class Mind:
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
+        self._sight: Sight | None = None
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.cried = self.gasped = -math.inf
         self.next_laugh = 0.0
@@ -191,7 +193,7 @@ class Mind:
     def is_on_terrain(self, place: Sequence[float] | Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        x, z = place
+        x, z = float(place[0]), float(place[1])
         is_inside = low_x + margin < x < high_x - margin
         return bool(is_inside and low_z + margin < z < high_z - margin)
 
@@ -218,7 +220,10 @@ class Mind:
     def opens_arms(self, owner: int) -> bool:
         """Tell whether a character holds both arms out for somebody, as far as can be seen."""
         record = self._records.get(owner)
-        return record is not None and bool((record.arm_mode >= PLACED).all())
+        if record is None:
+            return False
+        left, right = record.arm_mode.tolist()
+        return bool(left >= PLACED and right >= PLACED)
 
     def hands_gap(self, owner: int) -> float:
         """Return the distance between the hands of a character, as felt in its arms [m]."""
@@ -239,6 +244,23 @@ class Mind:
         obstacles = self.is_obstacle.copy()
         obstacles[nodes["owner"][held]] = False
         return obstacles
+
+    @property
+    def sight(self) -> Sight:
+        """What it knows of things in its way."""
+        obstacles, known = self.obstacles, self._sight
+        circles = self.surroundings.view.obstacle_circles
+        circles.update()
+        if known is not None and known.is_obstacle is obstacles:
+            if known.circle_middles is circles.middles:
+                return known
+        places, distances = self.memory.places, self.memory.distances
+        known = Sight(
+            *(places, distances, self.surroundings.radius, obstacles),
+            *(circles.middles, circles.radii, circles.keys, circles.things),
+        )
+        self._sight = known
+        return known
 
     def is_ridden(self, thing: int) -> bool:
         """Tell whether somebody else stands on a merry-go-round."""

@@ -6,7 +6,8 @@ Source: Horswill 2008, "Example application"; Bowlby 1969 for anxiety.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.person_controller import BODY_RADIUS
 from pipeline.simulation.characters.person_record import PELVIS
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, bound, compiled, entry
 from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.spatial import Array
 
@@ -135,11 +136,13 @@ class Surroundings:
         """Update places and velocities; `h` is a sub-step [s]."""
         if now != self.now:
             self.now = now
-            arrays = self.view.arrays
-            place_characters(
-                *(arrays.nodes, arrays.owners, self.people, h),
-                *(self.places, self.velocities),
-            )
+            self._place(h)
+
+    @cached_property
+    def _place(self) -> Callable[[float], None]:
+        arrays = self.view.arrays
+        places = arrays.nodes, arrays.owners, self.people, self.places, self.velocities
+        return bound(place_characters, *places, examples=(1.0,))
 
 
 @entry
@@ -147,9 +150,9 @@ def place_characters(
     nodes: Records,
     owners: Records,
     people: NDArray[np.bool_],
-    h: float,
     places: Array,
     velocities: Array,
+    h: float,
 ) -> None:
     """Find the places (C, 3) [m] and velocities (C, 3) [m/s] of all characters."""
     for c in range(len(owners)):
@@ -168,24 +171,24 @@ def place_characters(
 @entry
 def notice(
     arrays: MindArrays,
-    turns: NDArray[np.int64],
     persons: Records,
     places: Array,
     velocities: Array,
     radius: Array,
     valence: Array,
+    turns: NDArray[np.int64],
     now: float,
 ) -> None:
     """Let minds perceive, remember, feel and attend.
 
     Args:
         arrays: all minds; changed.
-        turns: numbers of the minds whose turn it is.
         persons: `PERSON` records.
         places: (C, 3) of all characters [m].
         velocities: (C, 3) of all characters [m/s].
         radius: (C,) of the circles around them [m].
         valence: (C,) natural valence of each.
+        turns: numbers of the minds whose turn it is.
         now: the time [s].
     """
     for n in turns:

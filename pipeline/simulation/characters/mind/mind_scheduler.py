@@ -49,7 +49,7 @@ CHANNELS = (
 )
 """Names and units of what the take tells of a mind."""
 
-THINKING_INTERVAL = 0.1  # of a mind, about [s]
+THINKING_INTERVAL = 0.125  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
 DISTRESS_CRY_INTERVAL = 3.0  # [s]
 MIN_CRY_INTERVAL = 0.8  # [s]

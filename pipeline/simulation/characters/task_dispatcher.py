@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -61,6 +62,8 @@ from pipeline.spec.gesture import GESTURES
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import key_of_order
+
+AnyTask = TypeVar("AnyTask", bound=Task)
 
 NO_FACTS = Facts()
 """Of a step in which people do nothing to be told."""
@@ -128,7 +131,7 @@ class TaskDispatcher:
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
         self._tasks: list[Task | None] = [None] * count
-        self._busy: Sequence[tuple[int, Task]] | None = ()
+        self._busy = dict[type[Task], Sequence[tuple[int, Any]]]()
         self._done, self._ordered = [True] * count, [False] * count
         self._gaze = GazeChoice(view, count)
         # Who may have something to do in the next step, and who had in this one.
@@ -209,14 +212,16 @@ class TaskDispatcher:
         """Return the task of a person."""
         return self._tasks[k]
 
-    def busy(self) -> Sequence[tuple[int, Task]]:
-        """Return the people who have tasks, by index, and these."""
-        if self._busy is None:
-            self._busy = tuple((k, task) for k, task in enumerate(self._tasks) if task is not None)
-        return self._busy
+    def busy(self, kind: type[AnyTask]) -> Sequence[tuple[int, AnyTask]]:
+        """Return the people who have tasks of a kind, by index, and these."""
+        if kind not in self._busy:
+            tasks = enumerate(self._tasks)
+            self._busy[kind] = tuple((k, task) for k, task in tasks if isinstance(task, kind))
+        return self._busy[kind]
 
     def _set_task(self, k: int, task: Task | None) -> None:
-        self._tasks[k], self._busy, self._resting[k] = task, None, 0
+        self._tasks[k], self._resting[k] = task, 0
+        self._busy.clear()
 
     @property
     def acting(self) -> list[PersonController]:

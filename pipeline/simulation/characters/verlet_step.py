@@ -149,6 +149,7 @@ def advance(
     for n in range(len(arrays.links)):
         arrays.links[n].energy = arrays.links[n].blow
         arrays.links[n].blow = 0.0
+    age_touches(arrays.links, dt)
     for n in range(count):
         drive_people(arrays, persons, grid, workspace.solids, h, n, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
@@ -172,7 +173,6 @@ def _sub_step(
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
     begin_recovery(limbs, h)
-    age_touches(links, h)
     update_bounds(nodes, owners)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.detour_state import DetourState
 from pipeline.simulation.characters.mind.felt_emotions import FACE, JOYS
-from pipeline.simulation.characters.mind.mind_arrays import MindArrays
+from pipeline.simulation.characters.mind.mind_arrays import NOISE_ROWS, MindArrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import (
     ANXIETY,
@@ -118,7 +118,8 @@ class Mind:
         self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
         self._records = records
         self._noise = arrays.noise[number]
-        self._state = record_view(arrays.minds, number)
+        self._state, self.at = record_view(arrays.minds, number), arrays.at[number]
+        self._state.noise_row = NOISE_ROWS - 1
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
@@ -131,7 +132,6 @@ class Mind:
         self.doing, self.command = "", MotorCommand()
         # Time since the thought before [s].
         self._pause = self.now = 0.0
-        self.at = np.zeros(2)
         self.froude_speed = math.sqrt(GRAVITY * float(controller.record.hip_height))
 
     @property
@@ -309,12 +309,13 @@ class Mind:
         """Pass on what `notice` needs to know of it."""
         state = self._state
         state.returns, state.hugs = self.doing == "attachment", self.is_hugging
-        self.rng.random(out=self._noise)
+        state.noise_row = (state.noise_row + 1) % NOISE_ROWS
+        if state.noise_row == 0:
+            self.rng.random(out=self._noise)
 
     def take_over(self, now: float) -> None:
-        """Accept the time [s] and place at which it has noticed."""
+        """Accept the time at which it has noticed [s]."""
         self._pause, self.now = now - self.now, now
-        self.at = self.surroundings.places[self.number_of_self, ::2].copy()
 
     def choose(self) -> None:
         """Follow the behaviour of the highest activation."""

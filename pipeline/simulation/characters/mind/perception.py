@@ -212,6 +212,7 @@ def _see(
     mind = arrays.minds[n]
     known, in_view = arrays.places[n], arrays.in_view[n]
     at_x, at_z = places[mind.owner, 0], places[mind.owner, 2]
+    arrays.at[n, 0], arrays.at[n, 1] = at_x, at_z
     ahead_x, ahead_z, cosine = math.cos(gaze), math.sin(gaze), math.cos(VIEW_HALF_ANGLE)
     for c in range(len(places)):
         x, z = places[c, 0] - at_x, places[c, 2] - at_z
@@ -283,7 +284,7 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
         arrays.nearness[n, c] = near
         interest = arrays.interest[n, c]
         drawn = interest + min(MOTION_SALIENCE * speed, 0.3) + fears[c]
-        varied = 1.0 + SALIENCE_NOISE * (2.0 * arrays.noise[n, c] - 1.0)
+        varied = 1.0 + SALIENCE_NOISE * (2.0 * arrays.noise[n, mind.noise_row, c] - 1.0)
         salience[c] = freshness(arrays.seen[n, c], mind.now) * near * drawn * varied
         arrays.valence[n, c] = min(max(natural_valence[c] - 1.5 * fears[c], -1.0), 1.0)
         watched = 0.06 * near if interest > 0.2 else 0.0

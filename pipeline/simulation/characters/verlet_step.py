@@ -21,7 +21,6 @@ from pipeline.simulation.characters.constraint_projection import (
     finish_grips,
     project_constraints,
     project_grips,
-    unsettle_gripping,
 )
 from pipeline.simulation.characters.contact_response import (
     PARTING_SPEED,
@@ -189,8 +188,7 @@ def _sub_step(
         for c in range(len(owners)):
             if owners[c].active:
                 project_constraints(nodes, links, middles, limbs, owners[c])
-        unsettle_gripping(nodes, owners, grips)
-        project_grips(nodes, grips)
+        project_grips(nodes, owners, grips)
         _separate_pairs(nodes, links, owners, pairs, sub_step, log)
         _meet_boxes(nodes, links, owners, near, sub_step, log)
         if solid_count > 0:

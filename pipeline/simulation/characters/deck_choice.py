@@ -19,6 +19,7 @@ from pipeline.simulation.characters.deck_motion import STEEPEST_DECK
 from pipeline.simulation.characters.person_record import NODE_COUNT, STANCE
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.dynamics.compiled import Record, Records, bound, compiled, entry
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
@@ -232,7 +233,7 @@ def _heed_known_decks(nodes: Records, carousels: IntArray, radii: Array, persons
         best, least = NOBODY, NEAR_DECK
         for c in range(len(carousels)):
             hub = nodes[carousels[c, 1]]
-            gap = math.hypot(person.at[0] - hub.p[0], person.at[1] - hub.p[2]) - radii[c]
+            gap = hypotenuse(person.at[0] - hub.p[0], person.at[1] - hub.p[2]) - radii[c]
             if gap < least:
                 best, least = carousels[c, 0], gap
         if person.deck != best:

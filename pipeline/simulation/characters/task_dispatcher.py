@@ -303,6 +303,8 @@ class TaskDispatcher:
         """Tell whether a person goes on as it was commanded in the step before."""
         if self._resting[k] == 0 or giving is not None or k in self.suspended:
             return False
+        if self.controllers[k].name in self._posed_hands:
+            return False
         self._resting[k] -= 1
         return True
 

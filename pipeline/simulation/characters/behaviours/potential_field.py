@@ -28,6 +28,7 @@ from pipeline.simulation.characters.visibility_route import (
     straight_way,
 )
 from pipeline.simulation.dynamics.compiled import allocating, bound, compiled, entry
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
@@ -54,7 +55,7 @@ def walk_vector(
         senses: (n,) way round each, 1 or -1: the sign of the curl.
         pace: of the walk [m/s].
     """
-    size = math.hypot(offset_x, offset_z)
+    size = hypotenuse(offset_x, offset_z)
     if size < 1e-9:
         return 0.0, 0.0
     pull = pace / max(size, 1e-9) * min(size / 0.3, 1.0)
@@ -279,7 +280,7 @@ def _walk(
     """
     at, bounds, forced = walker.at, walker.bounds, walker.forced
     offset_x, offset_z = first[0] - at[0], first[1] - at[1]
-    size = max(math.hypot(offset_x, offset_z), 1e-9)
+    size = max(hypotenuse(offset_x, offset_z), 1e-9)
     near = _near(obstacles, size, walker.body_radius)
     away, gaps, senses = np.empty((len(near), 2)), np.empty(len(near)), np.empty(len(near))
     keys, kept, count = np.empty(len(near), np.int64), np.empty(len(near)), 0
@@ -303,7 +304,7 @@ def _walk(
     x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, walker.pace)
     x = _inward(at[0], x, bounds[0, 0], bounds[1, 0])
     z = _inward(at[1], z, bounds[0, 1], bounds[1, 1])
-    speed = math.hypot(x, z)
+    speed = hypotenuse(x, z)
     reach, size = max(left, 0.35) if len(near) else left, max(speed, 1e-9)
     goal_x, goal_z = at[0] + x * reach / size, at[1] + z * reach / size
     return _Walk(speed, goal_x, goal_z, left, keys[:count], kept[:count])

@@ -20,6 +20,7 @@ from pipeline.simulation.characters.person_controller import BODY_RADIUS
 from pipeline.simulation.characters.person_record import PELVIS
 from pipeline.simulation.dynamics.compiled import Record, Records, bound, compiled, entry
 from pipeline.simulation.dynamics.record_view import record_view
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 MEMORY_SPAN = 12.0  # for which characters out of view are remembered [s]
@@ -239,7 +240,7 @@ def _feel(mind: Record, distances: Array, places: Array, dt: float) -> None:
         return
     x = places[mind.caregiver, 0] - places[mind.owner, 0]
     z = places[mind.caregiver, 2] - places[mind.owner, 2]
-    mind.caregiver_distance = math.hypot(x, z)
+    mind.caregiver_distance = hypotenuse(x, z)
     trait = mind.natural_anxiety * (EMOTION.returning if mind.returns else 1.0)
     mind.anxiety = next_anxiety(mind.anxiety, trait, distances[mind.caregiver], mind.hugs, dt)
 

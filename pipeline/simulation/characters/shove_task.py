@@ -229,7 +229,7 @@ class Grapple(Task):
         view, person = controller.view, controller.record
         own, other, masses = int(person.owner), self.owner, view.arrays.owners["mass"]
         ratio = float(masses[own] / masses[other])
-        pushed = view.persons.get(other, person)
+        pushed = view.persons[other] if other in view.persons else person
         push = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height)) * ratio
         most = MOST_PUSHED_FROUDE * math.sqrt(GRAVITY * float(pushed.hip_height))
         restraint = min(most / push, 1.0)

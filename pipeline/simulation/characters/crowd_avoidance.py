@@ -40,7 +40,12 @@ from pipeline.simulation.characters.neighbours import (
 )
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
-from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing, lag_at_passage
+from pipeline.simulation.characters.right_of_way import (
+    MOST_SHARED,
+    lag_at_crossing,
+    lag_at_passage,
+    lag_of_held_up,
+)
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
@@ -217,6 +222,8 @@ def _forbid_people(
             lag = lag_at_passage(person, other)
             if lag == 0.0:
                 lag = lag_at_crossing(person, other)
+                if lag == 0.0:
+                    lag = lag_of_held_up(person, other)
             else:
                 # Between walls there is no room to evade one that does not.
                 firmness = 0.0

@@ -65,7 +65,7 @@ from pipeline.simulation.spatial import Array
 
 LOOK_INTERVAL = 4  # steps from one look at others to the next
 HORIZON = 3.0  # within which nobody is met [s]
-STANDING_HORIZON = 1.2  # of those in a crowd for people who stand there, or rows would bar the way
+STANDING_HORIZON = 1.2  # of one that is held up, for who stands in a crowd: rows bar no way
 SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
@@ -216,7 +216,10 @@ def _forbid_people(
         own_space = room - squeeze * (room - tight)
         if walks_with(person, other):
             own_space = min(own_space, COMPANION_SPACE)
-        horizon = HORIZON if other.has_goal or not in_crowd else STANDING_HORIZON
+        horizon = HORIZON
+        if in_crowd and not other.has_goal:
+            waited = min(1.0 + person.impatience / PATIENCE, 1.0)
+            horizon += waited * (STANDING_HORIZON - HORIZON)
         lag, firmness = 0.0, FIRMNESS
         if in_crowd and _shares_way(person, other):
             lag = lag_at_passage(person, other)

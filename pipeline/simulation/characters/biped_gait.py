@@ -16,6 +16,7 @@ import math
 
 from pipeline.simulation.characters.deck_motion import clear_of_edge, support_at
 from pipeline.simulation.characters.gait_timing import (
+    foot_lag,
     gait_pace,
     ground_speed,
     heel_offset,
@@ -24,6 +25,7 @@ from pipeline.simulation.characters.gait_timing import (
     run_blend,
     smoothstep,
     spring_step,
+    staggers,
     walk_share,
     wrap_angle,
 )
@@ -45,6 +47,7 @@ STEP_TOLERANCE = 0.16  # distance from below its hip at which a foot steps
 CLOSED_TOLERANCE = 0.05  # distance at which the feet of a stopping person are closed
 CLOSED_LIMIT = 0.6  # of the step tolerance, for feet side by side: the weight shifts over them
 YAW_TOLERANCE = math.radians(28.0)  # of a foot against the pelvis
+CATCHING_UP = 4.0  # factor of the clock while both feet stand and one is left behind
 WALKING_FROUDE = 0.03  # speed below which a person does not walk, in √(g l)
 
 # How a foot rolls off and lands.
@@ -69,6 +72,7 @@ LATERAL_RANGE = 3.0  # distance ahead and behind within which a foot keeps to it
 HEEL_CLEARANCE = 2.5  # distance of the other foot within which the heel does not rise towards it
 DETOUR_FRACTION = 0.25  # of a swing, in which the foot moves to its own side before advancing
 RETARGET_RATE = 16.0  # [1/s] at which a swinging foot follows a changed landing place
+RETARGET_FROUDE = 1.6  # at which it does at most, after a push, in √(g l)
 
 
 @compiled
@@ -114,18 +118,30 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
             person.stepping = True
             # Due when the clock has gone on.
             person.phase = (1.0 - 1e-9 - 0.5 * first) % 1.0
+    advance = _clock_rate(person, rate) * dt
     if person.stepping:
-        person.phase = (person.phase + rate * dt) % 1.0
+        person.phase = (person.phase + advance) % 1.0
     for k in range(2):
         if person.foot_state[k] == SWING:
             _swing(person, k, (rate, stance, dt), frame, vertices)
-        elif person.stepping and _is_due(person, k, rate * dt, walks):
+        elif person.stepping and _is_due(person, k, advance, walks):
             _lift(person, k, frame, vertices)
         if person.foot_state[k] == STANCE:
             _stand(person, k, stance, frame, vertices, dt)
     is_still = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE and not walks
     if person.stepping and is_still:
         person.stepping = not _is_closed(person)
+
+
+@compiled
+def _clock_rate(person: Record, rate: float) -> float:
+    """Return the rate of the clock of steps, of a gait at a rate [1/s].
+
+    A foot that a stagger leaves behind is lifted as soon as the other one has landed.
+    """
+    bears_on_both = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE
+    is_behind = staggers(person) and foot_lag(person) > 0.0
+    return CATCHING_UP * rate if bears_on_both and is_behind else rate
 
 
 @compiled
@@ -224,8 +240,11 @@ def _choose_landing(
         carried = time + (1.0 - math.exp(-VELOCITY_GAIN * half_stance)) / VELOCITY_GAIN
         x += person.carry_velocity[0] * carried
         z += person.carry_velocity[1] * carried
-    x = person.landing_place[k, 0] + retargeted * (x - person.landing_place[k, 0])
-    z = person.landing_place[k, 2] + retargeted * (z - person.landing_place[k, 2])
+    change_x, change_z = x - person.landing_place[k, 0], z - person.landing_place[k, 2]
+    most = RETARGET_FROUDE * math.sqrt(GRAVITY * leg_length(person)) * dt
+    retargeted = min(retargeted, most / max(hypotenuse(change_x, change_z), 1e-9))
+    x = person.landing_place[k, 0] + retargeted * change_x
+    z = person.landing_place[k, 2] + retargeted * change_z
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))

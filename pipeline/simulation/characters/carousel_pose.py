@@ -17,9 +17,6 @@ from pipeline.simulation.spatial import Array
 GAP_ANGLE = 2.0 * math.pi / SPOKES
 """Angle between neighbouring posts [rad]."""
 
-POST_ANGLES = np.arange(SPOKES) * GAP_ANGLE
-"""(SPOKES,) angles of posts from the first one [rad]."""
-
 OUTSIDE, INSIDE = 0.1, 0.45
 """Distances from the rim at which a person stands before it, clear of it, and on the deck [m]."""
 
@@ -35,6 +32,7 @@ class CarouselPose:
         first: number of its first node.
         hub: (3,) the middle of its deck [m].
         radius: of the deck [m].
+        angle: of its first post [rad].
         feet, tops: (SPOKES, 3) ends of its posts [m].
         nodes: of the merry-go-round.
         sub_step: [s].
@@ -43,17 +41,11 @@ class CarouselPose:
     first: int
     hub: Array
     radius: float
+    angle: float
     feet: Array
     tops: Array
     nodes: Records
     sub_step: float
-
-    @cached_property
-    def angle(self) -> float:
-        """Angle of its first post [rad]."""
-        rim = self.feet - self.hub
-        angles = np.arctan2(-rim[:, 2], rim[:, 0]) - POST_ANGLES
-        return math.atan2(float(np.sin(angles).sum()), float(np.cos(angles).sum()))
 
     @cached_property
     def rate(self) -> float:
@@ -101,20 +93,24 @@ def carousel_pose(view: CharacterView, owner: int) -> CarouselPose:
     if pose is None:
         first = int(view.arrays.owners["nodes"][owner, 0])
         nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
-        p, radius = nodes["p"].copy(), float(_deck_radius(nodes))
+        p, (radius, angle) = nodes["p"].copy(), _measure_deck(nodes)
         ends = p[2 : 2 + SPOKES], p[2 + SPOKES :]
-        pose = CarouselPose(first, p[0], radius, *ends, nodes, view.sub_step)
+        pose = CarouselPose(first, p[0], radius, angle, *ends, nodes, view.sub_step)
         view.decks.poses[owner] = pose
     return pose
 
 
 @entry
-def _deck_radius(nodes: Records) -> float:
-    """Return the radius of a deck [m]."""
-    distances = np.empty(SPOKES)
+def _measure_deck(nodes: Records) -> tuple[float, float]:
+    """Return the radius of a deck [m], and the angle of its first post [rad]."""
+    distances, sine, cosine = np.empty(SPOKES), 0.0, 0.0
     for n in range(SPOKES):
+        hub, rim = nodes[0], nodes[2 + n]
         distances[n] = math.sqrt(_square(nodes, n))
-    return _mean(distances) + nodes[0].radius
+        angle = math.atan2(hub.p[2] - rim.p[2], rim.p[0] - hub.p[0]) - n * GAP_ANGLE
+        sine += math.sin(angle)
+        cosine += math.cos(angle)
+    return _mean(distances) + nodes[0].radius, math.atan2(sine, cosine)
 
 
 @entry

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, CharacterArrays
+from pipeline.simulation.characters.body_arrays import (
+    FREE,
+    NOBODY,
+    RESTING,
+    CharacterArrays,
+    IntArray,
+)
 from pipeline.simulation.characters.deck_choice import Decks
 from pipeline.simulation.characters.hurdles import STILL_SPEED
 from pipeline.simulation.characters.person_record import HEAD, KNEE, PELVIS, SHOULDERS
 from pipeline.simulation.characters.queues import Queues
 from pipeline.simulation.characters.slots import Slots
+from pipeline.simulation.characters.thing_circles import find_circles
 from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
-from pipeline.simulation.dynamics.compiled import Record, Records
+from pipeline.simulation.dynamics.compiled import Record, Records, bound
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.people.guided_dance import DanceGuide
 from pipeline.simulation.people.proportions import SEGMENTS
@@ -215,24 +222,20 @@ class CharacterView:
 
     def circle(self, owner: int) -> tuple[Array, float]:
         """Return the middle (2,) and the radius of a circle around a character [m]."""
-        p = self.nodes(owner)
-        known, circle = self._circles.get(owner, (b"", None))
-        if circle is None or p.tobytes() != known:
-            circle = self._circle_around(owner, p)
-            self._circles[owner] = p.tobytes(), circle
-        return circle
+        middles, radii = self.circles([owner])
+        return middles[0], float(radii[0])
+
+    def circles(self, owners: Sequence[int]) -> tuple[Array, Array]:
+        """Return the middles (n, 2) and radii (n,) of circles around characters [m]."""
+        numbers = np.array(owners, dtype=np.int64)
+        middles, radii = np.empty((len(numbers), 2)), np.empty(len(numbers))
+        self._find_circles(numbers, middles, radii)
+        return middles, radii
 
     @cached_property
-    def _circles(self) -> dict[int, tuple[bytes, tuple[Array, float]]]:
-        """Places of the nodes of characters, and the circles around them."""
-        return {}
-
-    def _circle_around(self, owner: int, p: Array) -> tuple[Array, float]:
-        flat = p[:, [0, 2]]
-        middle = flat.mean(axis=0)
-        node_radius = float(self.arrays.nodes["radius"][self._spans[owner][0]])
-        offset = flat - middle
-        return middle, float(np.sqrt((offset * offset).sum(axis=1)).max()) + node_radius
+    def _find_circles(self) -> Callable[[IntArray, Array, Array], None]:
+        examples = np.zeros(1, dtype=np.int64), np.zeros((1, 2)), np.zeros(1)
+        return bound(find_circles, self.arrays.nodes, self.arrays.owners, examples=examples)
 
     def size(self, owner: int) -> float:
         """Return the approximate height of a standing character [m]."""

@@ -79,8 +79,10 @@ def place_on_bar(one: Record, other: Record, t: float) -> Vector:
 
 
 @inlined
-def project_grips(nodes: Records, grips: IntArray) -> float:
+def project_grips(nodes: Records, owners: Records, grips: IntArray) -> float:
     """Bring together nodes held by a grip: links of length zero.
+
+    Characters that this moves are settled no longer.
 
     Returns:
         The largest excess distance before [m].
@@ -101,6 +103,10 @@ def project_grips(nodes: Records, grips: IntArray) -> float:
         if distance <= one.grip_gap or mobility == 0.0:
             continue
         largest = max(largest, distance - one.grip_gap)
+        if distance - one.grip_gap > GRIP_TOLERANCE:
+            owners[one.owner].settled = False
+            if held > 0.0:
+                owners[other.owner].settled = False
         share = (distance - one.grip_gap) / (distance * mobility)
         for k in range(3):
             move = share * offset[k]
@@ -120,28 +126,22 @@ def finish_grips(
     owners: Records,
     grips: IntArray,
 ) -> None:
-    """Iterate all characters that hold or are held, with their grips, to tolerance."""
+    """Iterate all characters that hold or are held, with their grips, to tolerance.
+
+    Those whose constraints hold, and which no grip moves, are left as they are.
+    """
     if not _activate_gripping(nodes, owners, grips):
         return
     for _ in range(MAX_ITERATIONS):
         largest = 0.0
         for c in range(len(owners)):
-            if owners[c].active:
+            if owners[c].active and not owners[c].settled:
                 largest = max(largest, project_constraints(nodes, links, middles, limbs, owners[c]))
-        if project_grips(nodes, grips) <= GRIP_TOLERANCE and largest <= LENGTH_TOLERANCE:
+        if project_grips(nodes, owners, grips) <= GRIP_TOLERANCE and largest <= LENGTH_TOLERANCE:
             break
     for c in range(len(owners)):
         if owners[c].active:
             _set_joints(nodes, limbs, owners[c])
-
-
-@inlined
-def unsettle_gripping(nodes: Records, owners: Records, grips: IntArray) -> None:
-    """Let characters that hold or are held be no longer settled."""
-    for n in range(len(grips)):
-        if grips[n, 0] >= 0 and grips[n, 1] >= 0:
-            for k in range(2):
-                owners[nodes[grips[n, k]].owner].settled = False
 
 
 @inlined

@@ -170,14 +170,14 @@ def sense_touch(link: Record, other: int, other_owner: int, energy: float) -> No
 
 
 @inlined
-def age_touches(links: Records, h: float) -> None:
-    """Advance the ages of touches, and forget those that have ended."""
+def age_touches(links: Records, dt: float) -> None:
+    """Advance the ages of touches by a step [s], and forget those that have ended."""
     for n in range(len(links)):
         link = links[n]
-        link.age[0] += h
-        link.age[1] += h
+        link.age[0] += dt
+        link.age[1] += dt
         for k in range(RECENT_TOUCHES):
-            link.recent_age[k] += h
+            link.recent_age[k] += dt
         if link.age[0] > TOUCH_PAUSE and (link.touched != TERRAIN or link.age[1] > TOUCH_PAUSE):
             link.touched, link.touched_owner = NOBODY, NOBODY
 

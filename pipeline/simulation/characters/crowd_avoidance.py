@@ -40,7 +40,12 @@ from pipeline.simulation.characters.neighbours import (
 )
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
-from pipeline.simulation.characters.right_of_way import MOST_SHARED, lag_at_crossing, lag_at_passage
+from pipeline.simulation.characters.right_of_way import (
+    MOST_SHARED,
+    lag_at_crossing,
+    lag_at_passage,
+    lag_of_held_up,
+)
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     gather_groups,
@@ -60,6 +65,7 @@ from pipeline.simulation.spatial import Array
 
 LOOK_INTERVAL = 4  # steps from one look at others to the next
 HORIZON = 3.0  # within which nobody is met [s]
+STANDING_HORIZON = 1.2  # of one that is held up, for who stands in a crowd: rows bar no way
 SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
@@ -210,18 +216,24 @@ def _forbid_people(
         own_space = room - squeeze * (room - tight)
         if walks_with(person, other):
             own_space = min(own_space, COMPANION_SPACE)
+        horizon = HORIZON
+        if in_crowd and not other.has_goal:
+            waited = min(1.0 + person.impatience / PATIENCE, 1.0)
+            horizon += waited * (STANDING_HORIZON - HORIZON)
         lag, firmness = 0.0, FIRMNESS
         if in_crowd and _shares_way(person, other):
             lag = lag_at_passage(person, other)
             if lag == 0.0:
                 lag = lag_at_crossing(person, other)
+                if lag == 0.0:
+                    lag = lag_of_held_up(person, other)
             else:
                 # Between walls there is no room to evade one that does not.
                 firmness = 0.0
         # Bodies keep clear of one another more alike than the space around them.
-        _forbid(person, other, tight, firmness * lag, 0.0, x, z, lines[k])
+        _forbid(person, other, tight, horizon, firmness * lag, 0.0, x, z, lines[k])
         space_line = lines[len(nearest) + k]
-        _forbid(person, other, own_space, lag, 1.0 - squeeze, x, z, space_line)
+        _forbid(person, other, own_space, horizon, lag, 1.0 - squeeze, x, z, space_line)
 
 
 @compiled
@@ -297,6 +309,7 @@ def _forbid(
     one: Record,
     other: Record,
     own_space: float,
+    horizon: float,
     lag: float,
     keeps_groups: float,
     wanted_x: float,
@@ -309,6 +322,7 @@ def _forbid(
         one: the person.
         other: the other.
         own_space: around a person, in heights.
+        horizon: within which nobody is met [s].
         lag: of the person at the crossing of their ways, -1 to 1.
         keeps_groups: share of the width of groups that is passed around, 0 to 1.
         wanted_x: velocity [m/s].
@@ -342,14 +356,14 @@ def _forbid(
     vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]
     vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
     is_apart = square > space * space
-    horizon = HORIZON
     is_beside = one.neighbour_distance < math.inf
     if one.impatience > 0.0 or is_beside:
         # It will not go beyond its goal, least of all one that takes a place beside others.
         left = hypotenuse(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
         arrival = left / max(hypotenuse(wanted_x, wanted_z), 1e-9)
         shortest = min(max(arrival, PARTING_TIME), SQUEEZING_HORIZON)
-        horizon += (1.0 if is_beside else one.impatience) * (shortest - HORIZON)
+        shortest = min(shortest, horizon)
+        horizon += (1.0 if is_beside else one.impatience) * (shortest - horizon)
     wx, wz = vx - x / horizon, vz - z / horizon
     size, along = hypotenuse(wx, wz), wx * x + wz * z
     if is_apart and (along >= 0.0 or along * along <= space * space * size * size):

@@ -119,8 +119,8 @@ def dance_contacts(
 ) -> tuple[Contact, ...]:
     """Return the strikes of hands of people that dance, as contacts of a step."""
     found = list[Contact]()
-    for k, task in dispatcher.busy():
-        if not isinstance(task, Dance) or not task.strikes:
+    for k, task in dispatcher.busy(Dance):
+        if not task.strikes:
             continue
         controller = dispatcher.controllers[k]
         person, name = controller.record, controller.name

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,7 +18,8 @@ from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterA
 from pipeline.simulation.characters.deck_motion import STEEPEST_DECK
 from pipeline.simulation.characters.person_record import NODE_COUNT, STANCE
 from pipeline.simulation.characters.solid_arrays import SolidTracker
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, bound, compiled, entry
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
@@ -93,10 +94,14 @@ class Decks:
         numbers = [(carousel.owner, carousel.hub) for carousel in found]
         self._numbers: IntArray = np.array(numbers, dtype=np.int64).reshape(-1, 2)
         self._radii = np.array([carousel.shape.half[0] for carousel in found])
+        self._heed_known: Callable[[Records], bool] | None = None
 
     def update(self, persons: Records) -> None:
         """Let people heed the deck that they ride, or else a merry-go-round near them."""
-        if not _heed_known_decks(persons, self.arrays.nodes, self._numbers, self._radii):
+        if self._heed_known is None:
+            known = self.arrays.nodes, self._numbers, self._radii
+            self._heed_known = bound(_heed_known_decks, *known, examples=(persons,))
+        if not self._heed_known(persons):
             for person in persons:
                 if not _stays_on_solid(person):
                     self._heed_carousel(person)
@@ -212,14 +217,14 @@ def deck_height(person: Record, x: float, z: float) -> float:
 
 
 @entry
-def _heed_known_decks(persons: Records, nodes: Records, carousels: IntArray, radii: Array) -> bool:
+def _heed_known_decks(nodes: Records, carousels: IntArray, radii: Array, persons: Records) -> bool:
     """Tell whether all people heed the decks that they should already.
 
     Args:
-        persons: `PERSON` records.
         nodes: of all characters.
         carousels: (n, 2) numbers of merry-go-rounds and of the nodes of their hubs.
         radii: (n,) of their decks [m].
+        persons: `PERSON` records.
     """
     for k in range(len(persons)):
         person = persons[k]
@@ -228,7 +233,7 @@ def _heed_known_decks(persons: Records, nodes: Records, carousels: IntArray, rad
         best, least = NOBODY, NEAR_DECK
         for c in range(len(carousels)):
             hub = nodes[carousels[c, 1]]
-            gap = math.hypot(person.at[0] - hub.p[0], person.at[1] - hub.p[2]) - radii[c]
+            gap = hypotenuse(person.at[0] - hub.p[0], person.at[1] - hub.p[2]) - radii[c]
             if gap < least:
                 best, least = carousels[c, 0], gap
         if person.deck != best:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.step_report import LATEST, ContactReporter
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.compiled import Records, bound, entry
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
@@ -51,9 +52,13 @@ class FootfallReporter:
         if np.ptp(ground.field.heights) == 0.0:
             self._normal = ground.field.normal(np.zeros(1), np.zeros(1))[0].tolist()
 
+    @cached_property
+    def _has_touchdowns(self) -> Callable[[], bool]:
+        return bound(_has_touchdowns, self._persons)
+
     def contacts(self, step: int) -> tuple[Contact, ...]:
         """Return the footfalls since the last report as contacts of a step, and start a new one."""
-        if not _has_touchdowns(self._persons):
+        if not self._has_touchdowns():
             return ()
         people, feet = np.nonzero(self._touchdowns)
         normals = self._normals(self._persons["stance_place"][people, feet])

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.person_record import HIP, STANDING_DUTY, SWING
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import hypotenuse
 
@@ -54,6 +54,7 @@ HIGH_STEP_SLOWING = 2.8  # of the gait by what a step is higher, in leg lengths
 USUAL_LAG = 1.15  # of a foot behind its hip at lift-off, in half of what is gone in its stance
 LEAST_LAG = 0.5  # that quickens no gait, in leg lengths
 HURRY, MOST_HURRY = 6.0, 0.9  # of the gait by what a foot will be farther behind, in leg lengths
+STAGGERING = 0.1  # slackness of the muscles of one that is thrown off balance
 HURRY_RATE = 25.0  # at which the gait quickens for it, and slows after it [1/s]
 LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 SHORTENING_RATE = 20.0  # the same of one that rises; at once would set a swinging foot back [1/s]
@@ -161,8 +162,15 @@ def _high_step(person: Record) -> float:
     return max(slowing, LIFT_SLOWING * (lift / leg - EASY_SWING), 0.0)
 
 
+@inlined
+def staggers(person: Record) -> bool:
+    """Tell whether a person is thrown off balance, by a push or a blow."""
+    result: bool = person.stun > STAGGERING
+    return result
+
+
 @compiled
-def _lag(person: Record) -> float:
+def foot_lag(person: Record) -> float:
     """Return how much farther from its hip a stance foot will lift off than in a steady walk.
 
     A person that is pushed off moves at once, and its feet are left behind. In leg lengths.
@@ -191,7 +199,7 @@ def follow_duty_factor(person: Record, dt: float) -> None:
     """
     slowing = HIGH_STEP_SLOWING * _high_step(person)
     person.slowing += (slowing - person.slowing) * (1.0 - math.exp(-SLOWING_RATE * dt))
-    hurry = min(HURRY * _lag(person), MOST_HURRY)
+    hurry = min(HURRY * foot_lag(person), MOST_HURRY)
     person.hurry += (hurry - person.hurry) * (1.0 - math.exp(-HURRY_RATE * dt))
     change = duty_factor(ground_speed(person), leg_length(person)) - person.duty
     follow = LENGTHENING_RATE if change > 0.0 else SHORTENING_RATE

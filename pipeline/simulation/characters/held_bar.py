@@ -1,4 +1,7 @@
-"""Held bar: where a grip holds a node or a bar, which edge a hand takes, and a push of its ends."""
+"""Held bar: where a grip holds a node or a bar, which edge a hand takes, and a push of its ends.
+
+Hands that hold a bar follow it from step to step, so that tasks need not command them in each.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
-from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.characters.person_record import PLACED
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
 from pipeline.simulation.spatial import Array
 
 UPRIGHT = 0.7  # cosine to the vertical from which an edge stands
@@ -63,6 +67,20 @@ def find_held_place(nodes: Records, grips: IntArray, number: int, place: Array) 
         if hand.grip_bar >= 0:
             share = hand.grip_share
             place[k] = (1.0 - share) * node.p[k] + share * nodes[hand.grip_bar].p[k]
+
+
+@compiled
+def follow_bars(person: Record, nodes: Records, grips: IntArray) -> None:
+    """Let hands that hold bars without moving them follow these, on the level of their tasks."""
+    for k in range(2):
+        number = person.grip + k
+        if grips[number, 0] < 0 or grips[number, 1] < 0 or person.arm_mode[k] != PLACED:
+            continue
+        hand, node = nodes[grips[number, 0]], nodes[grips[number, 1]]
+        if hand.grip_follows and hand.grip_bar >= 0:
+            far, share = nodes[hand.grip_bar], hand.grip_share
+            for c in (0, 2):
+                person.arm_target[k, c] = (1.0 - share) * node.p[c] + share * far.p[c]
 
 
 @entry

@@ -53,9 +53,7 @@ class HugReception:
         """Let all that are to be hugged accept, decline, and see to the hug."""
         dispatcher = self._dispatcher
         self._forget_waits()
-        for k, task in dispatcher.busy():
-            if not isinstance(task, Hug):
-                continue
+        for k, task in dispatcher.busy(Hug):
             partner = dispatcher.index(dispatcher.view.names[task.owner])
             if partner is None or not dispatcher.is_ordered(k):
                 continue

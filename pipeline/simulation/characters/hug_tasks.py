@@ -70,6 +70,7 @@ HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
 TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
 WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
+CLOSING_INTERVAL, HELD_INTERVAL = 2, 4  # of commands while arms close, and after that [steps]
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
 STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths
@@ -105,6 +106,13 @@ class Hug(Task):
     meeting: Array | None = None
     apart: float = 0.0
     approach: Approach = field(default_factory=Approach)
+
+    @property
+    def interval(self) -> int:
+        """See `Task`; arms that are around somebody move little."""
+        if self.touched == 0.0:
+            return 1
+        return HELD_INTERVAL if self.touched > 2.0 * HUG.closing_time else CLOSING_INTERVAL
 
     def closeness(self, controller: PersonController) -> float:
         """Return the distance between the two pelvises at which the bodies touch [m]."""
@@ -262,6 +270,11 @@ class LoosenHug(Task):
     back: float = 0.0
     time: float = 0.0
 
+    @property
+    def interval(self) -> int:
+        """See `Task`."""
+        return CLOSING_INTERVAL
+
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         if self.time > 0.0 or self.hug.loosen(controller, dt):
@@ -301,6 +314,12 @@ class ReturnHug(Task):
     closes: bool = False
     opens: bool = False
     time: float = 0.0
+
+    @property
+    def interval(self) -> int:
+        """See `Task`; arms that are around somebody move little."""
+        is_held = self.time > HUG.closing_time and not self.opens
+        return HELD_INTERVAL if is_held else CLOSING_INTERVAL
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""

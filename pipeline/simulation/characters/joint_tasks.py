@@ -13,7 +13,7 @@ from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo
 from pipeline.simulation.characters.hug_tasks import Hug, LoosenHug
-from pipeline.simulation.characters.person_tasks import SitDown
+from pipeline.simulation.characters.person_tasks import SitDown, Task
 from pipeline.spec.gesture import REFUSE
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def share_slots(people: TaskDispatcher) -> None:
     """Let those who need slots take them, the nearest first."""
     waiting = [
         (task.slot_distance(controller), controller.name, task, controller)
-        for k, task in people.busy()
+        for k, task in people.busy(Task)
         if task.wants_slot and not task.failure and (controller := people.controllers[k])
     ]
     for _, _, task, controller in sorted(waiting, key=lambda claim: claim[:2]):
@@ -34,8 +34,8 @@ def share_slots(people: TaskDispatcher) -> None:
 def form_crews(people: TaskDispatcher) -> None:
     """Let two who are told to carry the same thing to the same place do that together."""
     loads = dict[tuple[str, str], list[int]]()
-    for k, task in people.busy():
-        if isinstance(task, CarryTo) and people.is_ordered(k) and not task.is_down:
+    for k, task in people.busy(CarryTo):
+        if people.is_ordered(k) and not task.is_down:
             if not people.controllers[k].hands_holding(task.thing):
                 loads.setdefault((task.thing, task.walk.target), []).append(k)
     for (thing, target), carriers in loads.items():
@@ -49,8 +49,8 @@ def form_crews(people: TaskDispatcher) -> None:
 
 def advance_crews(people: TaskDispatcher, dt: float) -> None:
     """Advance what pairs carry by a step of `dt` [s], once for the two."""
-    for _, task in people.busy():
-        if isinstance(task, CarryEnd) and task.number == 0:
+    for _, task in people.busy(CarryEnd):
+        if task.number == 0:
             task.crew.advance(dt)
 
 
@@ -63,7 +63,7 @@ def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[i
         dt: the step [s].
     """
     givings = dict[int, HandOver]()
-    for k, task in people.busy():
+    for k, task in people.busy(Task):
         taker = people.controllers[k]
         if not people.is_ordered(k) or not (thing := task.asks_for(taker)):
             continue

@@ -31,6 +31,7 @@ from pipeline.simulation.characters.gait_timing import (
     spring_step,
     wrap_angle,
 )
+from pipeline.simulation.characters.held_bar import follow_bars
 from pipeline.simulation.characters.hurdles import notice_hurdles
 from pipeline.simulation.characters.limb_posture import advance_stoop, hold_arms, hold_legs
 from pipeline.simulation.characters.pelvis_motion import (
@@ -313,7 +314,7 @@ def _set_targets(
     person: Record, arrays: CharacterArrays, ground: Grid, solids: Solids, h: float, dt: float
 ) -> None:
     """Set the targets of a person's nodes after `dt` [s]; sub-steps last `h` [s]."""
-    nodes, links, _, _, _, _, owners = arrays
+    nodes, links, _, _, _, grips, owners = arrays
     follow_deck(person, nodes, owners, solids, dt)
     update_stun(person, nodes, links, owners, h, dt)
     recover(person, nodes, dt)
@@ -329,6 +330,7 @@ def _set_targets(
         advance_sitting(person, dt)
         turn_head(person, dt)
         advance_stoop(person, dt)
+        follow_bars(person, nodes, grips)
         hold_trunk(person, nodes, dt)
         hold_legs(person)
         hold_arms(person, dt)

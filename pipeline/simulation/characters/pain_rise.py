@@ -5,10 +5,13 @@ Minds, reflexes and signals all read it, so it is computed once a step.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
+
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import IntArray
-from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.compiled import Records, bound, entry
 from pipeline.simulation.spatial import Array
 
 
@@ -31,9 +34,13 @@ class PainRise:
         self.added: Array = np.zeros(len(persons))
         self.largest = 0.0
 
+    @cached_property
+    def _read(self) -> Callable[[], float]:
+        return bound(_update, self._owners, self._numbers, self.pain, self.added)
+
     def update(self) -> None:
         """Read the pain after a step."""
-        self.largest = _update(self._owners, self._numbers, self.pain, self.added)
+        self.largest = self._read()
 
 
 @entry

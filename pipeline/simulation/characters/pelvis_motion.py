@@ -17,6 +17,7 @@ from pipeline.simulation.characters.gait_timing import (
     ground_speed,
     leg_length,
     spring_step,
+    staggers,
     walk_share,
     wrap_angle,
 )
@@ -29,6 +30,7 @@ from pipeline.simulation.dynamics.terrain_grid import Grid
 from pipeline.simulation.dynamics.vectors import hypotenuse
 
 MAX_ACCELERATION = 0.22  # of the legs, in g
+CATCHING_ACCELERATION = 0.3  # of one that catches itself, in g
 BRAKING_ACCELERATION = 0.08  # before a goal, in g
 SHUFFLE_FROUDE = 0.15  # of steps aside or back without turning, in √(g l)
 MAX_CRAB = math.radians(15.0)  # of the way that is walked from the heading
@@ -216,6 +218,8 @@ def _advance_place(
 ) -> None:
     """Move the led place with its velocity, and along with the body."""
     leg, limit = leg_length(person), MAX_ACCELERATION * GRAVITY
+    if staggers(person):
+        limit = CATCHING_ACCELERATION * GRAVITY
     gain_x, gain_z = (
         VELOCITY_GAIN * (wx - person.velocity[0]),
         VELOCITY_GAIN * (wz - person.velocity[1]),

@@ -128,13 +128,15 @@ class PersonController:
         held = {int(owners[node]) for k in range(2) if (node := self.held_node(k)) >= 0}
         if self.record.deck_share > 0.0:
             held.add(int(self.record.deck))
-        things = [self.view.circle(k) for k in self.view.heavy_things if k not in held]
+        things = [k for k in self.view.heavy_things if k not in held]
         held.update(self.record.act_things.tolist())
-        things += [self.view.circle(k) for k in self.view.lying_things() if k not in held]
+        things += [k for k in self.view.lying_things() if k not in held]
         if not things:
             return found
-        middles = np.concatenate([found[0], [middle for middle, _ in things]])
-        return middles, np.concatenate([found[1], [radius for _, radius in things]])
+        middles, radii = self.view.circles(things)
+        if not len(found[1]):
+            return middles, radii
+        return np.concatenate([found[0], middles]), np.concatenate([found[1], radii])
 
     @property
     def body_radius(self) -> float:

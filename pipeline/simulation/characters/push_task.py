@@ -42,6 +42,7 @@ INWARD_TURN = math.radians(22.0)  # of a pusher towards its post
 FAR_HAND_TURN = math.radians(50.0)  # of one whose only free hand is on the other side
 FOLLOW_GAIN = 2.5  # speed of a pusher beyond that of its post, by how far it is behind [1/s]
 ROUND_LEAD = 0.3  # ahead along the round to which it walks [rad]
+PUSHING_INTERVAL, REACHING_INTERVAL = 4, 2  # of commands with a hand at the post, before [steps]
 REACHING_TIME = 4.0  # in which hands get hold of a post [s]
 IDLE_TIME = 4.5  # without a turn of a tenth, after which it does not turn [s]
 NEAR_RING = 0.25  # of a person from where pushers walk, at which it takes a post [m]
@@ -102,6 +103,7 @@ class PushRound(Task):
         idle: time since it turned by a tenth of a turn [s].
         mark: angle at that time [rad].
         is_done: whether it has turned enough.
+        is_holding: whether a hand holds the post.
     """
 
     owner: int
@@ -115,11 +117,14 @@ class PushRound(Task):
     idle: float = field(default=0.0, init=False)
     mark: float = field(default=0.0, init=False)
     is_done: bool = field(default=False, init=False)
+    is_holding: bool = field(default=False, init=False)
 
     @property
     def interval(self) -> int:
         """See `Task`; going round is steady."""
-        return 2 if self.is_at_rim and not self.is_done else 1
+        if not self.is_at_rim or self.is_done:
+            return 1
+        return PUSHING_INTERVAL if self.is_holding else REACHING_INTERVAL
 
     @property
     def wants_slot(self) -> bool:
@@ -162,10 +167,10 @@ class PushRound(Task):
         self.time += dt
         stance = stance_of(controller, carousel)
         self._walk_round(controller, carousel, stance, self.number)
-        holding = self._push(controller, carousel, stance, self.number, dt)
-        if not holding and self.time > REACHING_TIME and self.turned == 0.0:
+        self.is_holding = self._push(controller, carousel, stance, self.number, dt)
+        if not self.is_holding and self.time > REACHING_TIME and self.turned == 0.0:
             self.stick(f"its hands do not reach the post at {place_text(controller)}")
-        self.turned += self.sense * carousel.rate * dt if holding else 0.0
+        self.turned += self.sense * carousel.rate * dt if self.is_holding else 0.0
         self.idle += dt
         if self.turned > self.mark + 0.2 * math.pi:
             self.idle, self.mark = 0.0, self.turned

@@ -47,6 +47,7 @@ TOP_MARGIN = 0.04  # of hands below the top of a post [m]
 HANDS_APART = 0.08  # on a post [m]
 CLOSING, REACHING = 0.06, 0.2  # of a hand to its place: it closes; it may touch; in heights
 HOLDING_TIME = 2.0  # after which a rider is content with what its hands have got [s]
+HOLDING_INTERVAL, CLOSING_INTERVAL = 4, 2  # of commands to one who holds on, and before [steps]
 AT_PLACE = 0.12  # of a rider from its place [m]
 LOST_DECK = 0.3  # share of the weight on a deck below which a rider has left it
 
@@ -120,8 +121,10 @@ class RideCarousel(Ride):
 
     @property
     def interval(self) -> int:
-        """See `Task`; holding on is steady."""
-        return 2 if self.is_there else 1
+        """See `Task`; holding on is steady, for the deck carries what the person faces."""
+        if not self.is_there:
+            return 1
+        return HOLDING_INTERVAL if self.held > HOLDING_TIME else CLOSING_INTERVAL
 
     def slot_distance(self, controller: PersonController) -> float:
         """See `Task`."""

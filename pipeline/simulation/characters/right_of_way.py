@@ -12,6 +12,7 @@ import math
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
 
+HELD_UP = 0.9  # impatience of two who hold one another up
 LEAST_SINE, SURE_SINE = 0.3, 0.6  # of the angle of two ways that cross; that certainly do
 LEAD = 1.0  # that is certain: difference of the distances to the crossing [m]
 MOST_SHARED = 0.4  # of the way to be made, beyond the half, that is left to the second
@@ -47,3 +48,19 @@ def lag_at_passage(one: Record, other: Record) -> float:
     if not (one.has_passage and other.has_passage):
         return 0.0
     return min(max((one.passage - other.passage) / LEAD, -1.0), 1.0)
+
+
+@compiled
+def lag_of_held_up(one: Record, other: Record) -> float:
+    """Return -1 for the first and 1 for the second of two who stand before one another, else 0.
+
+    They come from opposite sides, and neither gets on; the one with the shorter way goes first.
+    """
+    if one.impatience < HELD_UP or other.impatience < HELD_UP:
+        return 0.0
+    ax, az = one.goal[0] - one.at[0], one.goal[1] - one.at[1]
+    bx, bz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+    if ax * bx + az * bz > 0.0:
+        return 0.0
+    left, others_left = math.hypot(ax, az), math.hypot(bx, bz)
+    return 0.0 if left == others_left else math.copysign(1.0, left - others_left)

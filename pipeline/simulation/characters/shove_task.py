@@ -26,6 +26,7 @@ from pipeline.simulation.characters.person_tasks import (
     shoulder_height,
 )
 from pipeline.simulation.characters.standoff import BOWED_RANGE
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.spatial import Array
 
@@ -46,8 +47,8 @@ LUNGE = 0.85  # of the distance to which the person steps in as it strikes
 DRAWN = 0.22, -0.15, 0.05  # of a drawn hand from its shoulder, ahead, up and inward, in arm lengths
 STRETCH = 1.7  # of the place to which a hand strikes, beyond its reach, for it lags behind
 PALM_DEPTH = 0.11  # of a wrist from the middle of the chest that it pushes, in heights of both
-PUSHING_SPEED = 1.5  # momentum of a push, per mass of the person [m/s]
-MOST_PUSHED_SPEED = 1.6  # of whom it pushes; a stronger person holds back [m/s]
+PUSHING_FROUDE = 0.5  # momentum of a push, per mass of the person, in √(g l) of its legs
+MOST_PUSHED_FROUDE = 0.54  # of whom it pushes, likewise; a stronger person holds back
 SLACKENED = 0.4  # slackness of the muscles of one that is pushed, by its speed [s/m]
 ARMS_MASS = 2.0 * sum(SEGMENT_MASSES[name] for name in ("upper_arm", "forearm", "hand"))
 """Mass that strikes with the palms, as a fraction of the body."""
@@ -228,8 +229,11 @@ class Grapple(Task):
         view, person = controller.view, controller.record
         own, other, masses = int(person.owner), self.owner, view.arrays.owners["mass"]
         ratio = float(masses[own] / masses[other])
-        restraint = min(MOST_PUSHED_SPEED / (PUSHING_SPEED * ratio), 1.0)
-        speed = PUSHING_SPEED * ratio * restraint
+        pushed = view.persons[other] if other in view.persons else person
+        push = PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height)) * ratio
+        most = MOST_PUSHED_FROUDE * math.sqrt(GRAVITY * float(pushed.hip_height))
+        restraint = min(most / push, 1.0)
+        speed = push * restraint
         fastest = max(self.palm_speed, self._palm_speed(controller))
         struck = restraint * min(fastest, STRIKING_SPEED)
         view.push(other, speed * ahead, SLACKENED * speed)

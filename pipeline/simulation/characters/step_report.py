@@ -204,8 +204,10 @@ class SignalDetector:
         """
         found = list(self._pains()) if self._pain.largest > CRY.pain else []
         found += [self._voiced(voice) for voice in voices]
-        if self._dispatcher.busy() or self._hugged or self._served:
-            found += [*self._hugs(), *self._services()]
+        if self._hugged or self._dispatcher.busy(Hug):
+            found += self._hugs()
+        if self._served or self._dispatcher.busy(QueueUp):
+            found += self._services()
         return tuple(found)
 
     def _pains(self) -> Iterator[Signal]:
@@ -224,8 +226,8 @@ class SignalDetector:
 
     def _hugs(self) -> Iterator[Signal]:
         before, self._hugged = self._hugged, {}
-        for k, task in self._dispatcher.busy():
-            if isinstance(task, Hug) and task.touched > HUG.closing_time:
+        for k, task in self._dispatcher.busy(Hug):
+            if task.touched > HUG.closing_time:
                 if task is not before.get(k):
                     strength = ARM_CLOSING_SPEED * task.size
                     yield self._sounding("hug", k, task.owner, "chest", strength, HUG_SOUND_SIZE)
@@ -233,8 +235,8 @@ class SignalDetector:
 
     def _services(self) -> Iterator[Signal]:
         before, self._served = self._served, {}
-        for k, task in self._dispatcher.busy():
-            if isinstance(task, QueueUp) and task.is_served:
+        for k, task in self._dispatcher.busy(QueueUp):
+            if task.is_served:
                 if task is not before.get(k):
                     yield Signal("served", self._dispatcher.controllers[k].name, task.target)
                 self._served[k] = task

@@ -6,7 +6,9 @@ Source: Sims 1987, 3.2.4; Horswill 2008, "High-level Control", for the orders.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -48,7 +50,7 @@ from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
 from pipeline.simulation.characters.shove_task import Grapple
-from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.compiled import Records, bound
 from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.expressions import told_emotions
 from pipeline.simulation.order_outcome import GripChange, Outcome
@@ -61,6 +63,8 @@ from pipeline.spec.gesture import GESTURES
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import key_of_order
+
+AnyTask = TypeVar("AnyTask", bound=Task)
 
 NO_FACTS = Facts()
 """Of a step in which people do nothing to be told."""
@@ -128,7 +132,7 @@ class TaskDispatcher:
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
         self._tasks: list[Task | None] = [None] * count
-        self._busy: Sequence[tuple[int, Task]] | None = ()
+        self._busy = dict[type[Task], Sequence[tuple[int, Any]]]()
         self._done, self._ordered = [True] * count, [False] * count
         self._gaze = GazeChoice(view, count)
         # Who may have something to do in the next step, and who had in this one.
@@ -209,14 +213,16 @@ class TaskDispatcher:
         """Return the task of a person."""
         return self._tasks[k]
 
-    def busy(self) -> Sequence[tuple[int, Task]]:
-        """Return the people who have tasks, by index, and these."""
-        if self._busy is None:
-            self._busy = tuple((k, task) for k, task in enumerate(self._tasks) if task is not None)
-        return self._busy
+    def busy(self, kind: type[AnyTask]) -> Sequence[tuple[int, AnyTask]]:
+        """Return the people who have tasks of a kind, by index, and these."""
+        if kind not in self._busy:
+            tasks = enumerate(self._tasks)
+            self._busy[kind] = tuple((k, task) for k, task in tasks if isinstance(task, kind))
+        return self._busy[kind]
 
     def _set_task(self, k: int, task: Task | None) -> None:
-        self._tasks[k], self._busy, self._resting[k] = task, None, 0
+        self._tasks[k], self._resting[k] = task, 0
+        self._busy.clear()
 
     @property
     def acting(self) -> list[PersonController]:
@@ -282,18 +288,23 @@ class TaskDispatcher:
                 self._looked_at[k] = looked_at[k]
             else:
                 self._command_one(k, controller, giving, time)
-        look_at_characters(
-            *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
-            *(self._people, self._looked_at),
-        )
+        self._look_at_characters()
         for k, giving in givings.items():
             if giving.is_taken:
                 giving.giver.release(giving.thing)
                 self.end(k)
 
+    @cached_property
+    def _look_at_characters(self) -> Callable[[], None]:
+        arrays = self.view.arrays
+        looked = self._persons, arrays.nodes, arrays.owners, self._people, self._looked_at
+        return bound(look_at_characters, *looked)
+
     def _rests(self, k: int, giving: HandOver | None) -> bool:
         """Tell whether a person goes on as it was commanded in the step before."""
         if self._resting[k] == 0 or giving is not None or k in self.suspended:
+            return False
+        if self.controllers[k].name in self._posed_hands:
             return False
         self._resting[k] -= 1
         return True

@@ -68,6 +68,7 @@ SHIFT_TILT = math.radians(1.5)  # of the pelvis, the free hip down
 STEPPING_BLEND = 0.1  # of walking, up to which a person steps in place
 SLIGHT_BOW = 0.2  # up to which a person shifts its weight, such as a rider that holds a post
 BUSY_SHIFT = 0.7  # of a weight shift with the hands at work, in one with free hands
+HUG_SHIFT = 0.5  # the same of one that bends down in a hug: the two rock a little
 FEARFUL_SHIFT = 0.6  # the same of one that stands still in fear
 DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shifts
 
@@ -169,18 +170,19 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
 def _weight_shift(person: Record, dt: float) -> tuple[float, float]:
     """Return the weight shift of a standing person to the right and ahead, each -1 to 1.
 
-    There is none while the person walks (steps in place are not walking), sits, bows low or kicks,
-    and less with the hands at work.
+    There is none while the person walks (steps in place are not walking), sits, bows low outside a
+    hug or kicks, and less with the hands at work.
     """
     is_idle = (
         person.walk_blend < STEPPING_BLEND
         and person.posture == STANDING
         and person.sit_blend == 0.0
         and person.kick_foot < 0
-        and person.bow < SLIGHT_BOW
+        and (person.bow < SLIGHT_BOW or person.stoop_depth > 0.0)
     )
     free = person.arm_mode[0] < PLACED and person.arm_mode[1] < PLACED
-    target = (1.0 if free else BUSY_SHIFT) if is_idle else 0.0
+    share = HUG_SHIFT if person.bow >= SLIGHT_BOW else 1.0 if free else BUSY_SHIFT
+    target = share if is_idle else 0.0
     if person.frozen:
         target = FEARFUL_SHIFT
     person.shift_blend, person.shift_blend_rate = spring_step(

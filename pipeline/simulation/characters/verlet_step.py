@@ -21,7 +21,6 @@ from pipeline.simulation.characters.constraint_projection import (
     finish_grips,
     project_constraints,
     project_grips,
-    unsettle_gripping,
 )
 from pipeline.simulation.characters.contact_response import (
     PARTING_SPEED,
@@ -149,6 +148,7 @@ def advance(
     for n in range(len(arrays.links)):
         arrays.links[n].energy = arrays.links[n].blow
         arrays.links[n].blow = 0.0
+    age_touches(arrays.links, dt)
     for n in range(count):
         drive_people(arrays, persons, grid, workspace.solids, h, n, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
@@ -172,7 +172,6 @@ def _sub_step(
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
     begin_recovery(limbs, h)
-    age_touches(links, h)
     update_bounds(nodes, owners)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)
@@ -189,8 +188,7 @@ def _sub_step(
         for c in range(len(owners)):
             if owners[c].active:
                 project_constraints(nodes, links, middles, limbs, owners[c])
-        unsettle_gripping(nodes, owners, grips)
-        project_grips(nodes, grips)
+        project_grips(nodes, owners, grips)
         _separate_pairs(nodes, links, owners, pairs, sub_step, log)
         _meet_boxes(nodes, links, owners, near, sub_step, log)
         if solid_count > 0:

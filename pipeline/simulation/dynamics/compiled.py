@@ -71,14 +71,21 @@ def entry(function: Callable[P, T]) -> Callable[P, T]:
     return dispatcher
 
 
-def bound(function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+def bound(
+    function: Callable[..., T], *arguments: Any, examples: tuple[Any, ...] = ()
+) -> Callable[..., T]:
     """Returns a call of an entry with these very arguments, whose types are examined only once.
 
     To examine tuples of many arrays takes longer than to read them.
+
+    Args:
+        function: the entry.
+        arguments: its first ones.
+        examples: of its other arguments, which calls give; those are always of the same types.
     """
     if not numba.config.DISABLE_JIT:
         dispatcher: Any = function
-        types = tuple(dispatcher.typeof_pyval(argument) for argument in arguments)
+        types = tuple(dispatcher.typeof_pyval(argument) for argument in (*arguments, *examples))
         dispatcher.compile(types)
         function = dispatcher.overloads[types].entry_point
     return partial(function, *arguments)

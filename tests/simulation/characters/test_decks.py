@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.deck_choice import top_of
 from pipeline.simulation.characters.push_task import PushRound
 from pipeline.simulation.keyframe_track import rotation_from_angles
@@ -127,6 +128,30 @@ def test_a_rider_gets_off_a_merry_go_round_that_is_pushed_without_a_fall() -> No
     off = int(np.flatnonzero(rider["deck_share"][now:] < 0.01)[0])
     assert rate[now + off] < 0.7 * rate[now]
     assert rider["at"][-1] == pytest.approx([3.0, -3.0], abs=0.3)
+
+
+def test_hands_follow_the_posts_of_a_turning_merry_go_round_from_step_to_step() -> None:
+    cast = "- {name: c, character: merry-go-round}\n"
+    cast += "- {name: rider, character: child, at: [0.9, -0.3], heading_deg: 180}\n"
+    cast += "- {name: pusher, character: child, at: [-1.7, 0.2], heading_deg: 0, scale: 1.15}\n"
+    script = "script:\n- {at: 0, who: rider, do: {ride: c}}\n"
+    script += "- {at: 0, who: pusher, do: {push: c, turns: 3}}\n"
+    offsets = {"rider": list[float](), "pusher": list[float]()}
+
+    def look(troupe: Characters, step: int) -> None:
+        for controller in troupe.dispatcher.controllers if step > 6 * STEPS else ():
+            for k in range(2):
+                if controller.held_node(k) >= 0:
+                    offset = controller.held_place(k) - controller.record.arm_target[k]
+                    offsets[controller.name].append(math.hypot(offset[0], offset[2]))
+
+    play = play_scene(f"duration: 9\ncast:\n{cast}{script}", look)
+    moved = 0.8 * np.abs(_turn_rate(play)).max() / STEPS
+    assert moved > 0.005
+    for found in offsets.values():
+        # Nearly all the time a hand holds the post, and no target lags by two steps.
+        assert len(found) > 2 * STEPS
+        assert max(found) < 3.0 * moved
 
 
 @pytest.mark.nightly

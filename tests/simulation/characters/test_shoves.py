@@ -38,6 +38,13 @@ def test_a_shove_throws_the_other_back_and_hurts() -> None:
     assert np.linalg.norm(changes, axis=2).max() < 4.0
 
 
+def test_a_shoved_child_steps_back_without_sinking_between_its_feet() -> None:
+    play = play_scene(SCENE.replace("character: adult", "character: child"))
+    pushed = play.joint("b", "pelvis")
+    assert 0.25 < pushed[-1, 0] - pushed[0, 0] < 0.6
+    assert pushed[:, 1].min() > 0.85 * pushed[0, 1]
+
+
 def test_a_small_child_shoves_the_belly_of_a_tall_adult() -> None:
     scene = SCENE.replace("duration: 2.6", "duration: 4").replace(
         "a, character: adult, at: [-1.2, 0]", "a, character: child, scale: 0.9, at: [-1.2, 0]"

@@ -68,6 +68,18 @@ def test_a_bound_call_goes_on_from_what_the_last_one_left() -> None:
     assert not np.array_equal(held[0], bodies()[0])
 
 
+def test_a_bound_call_takes_its_further_arguments_anew() -> None:
+    q, inertia = np.array([[1.0, 0.0, 0.0, 0.0]]), np.diag([0.1, 0.2, 0.4])[None].copy()
+    w, inverse = np.array([[0.3, -2.0, 1.0]]), np.linalg.inv(inertia)
+    plain, held = q.copy(), q.copy()
+    turn = bound(rotate_freely, held, w.copy(), examples=(inertia, inverse, 0.0))
+    for dt in (0.01, 0.03):
+        rotate_freely(plain, w, inertia, inverse, dt)
+        turn(inertia, inverse, dt)
+        assert np.array_equal(plain, held)
+    assert not np.array_equal(held, q)
+
+
 COMPILE_ONE = """
 import numpy as np
 from pipeline.simulation.code_samples import code_folder

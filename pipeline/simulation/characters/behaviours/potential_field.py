@@ -11,22 +11,24 @@ Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared wi
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.mind.sight import Sight
 from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
     SHRINK_FACTOR,
     are_free,
     straight_way,
 )
-from pipeline.simulation.dynamics.compiled import allocating, compiled, entry
+from pipeline.simulation.dynamics.compiled import allocating, bound, compiled, entry
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
@@ -53,7 +55,7 @@ def walk_vector(
         senses: (n,) way round each, 1 or -1: the sign of the curl.
         pace: of the walk [m/s].
     """
-    size = math.hypot(offset_x, offset_z)
+    size = hypotenuse(offset_x, offset_z)
     if size < 1e-9:
         return 0.0, 0.0
     pull = pace / max(size, 1e-9) * min(size / 0.3, 1.0)
@@ -87,15 +89,15 @@ def steer(
         touching: whether the target is approached closely and not stepped aside for.
     """
     pace = mind.pace if pace is None else pace
-    x, z = mind.nearest_on_terrain(*place)
-    place = np.array([x, z])
+    x, z = mind.nearest_on_terrain(float(place[0]), float(place[1]))
     at_x, at_z = mind.at.tolist()
     left = max(math.hypot(x - at_x, z - at_z) - stop_distance, 0.0)
     if left < 0.1:
-        return MotorCommand(facing=mind.heading_to(place), target=target)
+        return MotorCommand(facing=mind.heading_to((x, z)), target=target)
+    place = np.array([x, z])
     detour, walker = mind.detour, _walker(mind, pace)
-    is_straight, walk = _walk_straight(
-        _sight(mind), target, walker, place, stop_distance, detour.keys, detour.senses
+    is_straight, walk = _straight_walker()(
+        mind.sight, target, walker, place, stop_distance, detour.keys, detour.senses
     )
     if is_straight:
         detour.route.go_straight(place)
@@ -162,46 +164,6 @@ class _Walk(NamedTuple):
     senses: Array
 
 
-class _Sight(NamedTuple):
-    """What a walker knows of things in its way.
-
-    Attributes:
-        places: (C, 3) of characters as remembered [m].
-        distances: (C,) of these [m].
-        radius: (C,) of the circles around them [m].
-        is_obstacle: (C,) which are walked around.
-        circle_middles: (S, 2) of circles of other rooms [m].
-        circle_radii: (S,) [m].
-        circle_keys: (S,) their numbers.
-        circle_things: (S,) numbers of their things.
-    """
-
-    places: Array
-    distances: Array
-    radius: Array
-    is_obstacle: NDArray[np.bool_]
-    circle_middles: Array
-    circle_radii: Array
-    circle_keys: IntArray
-    circle_things: IntArray
-
-
-def _sight(mind: Mind) -> _Sight:
-    surroundings, memory = mind.surroundings, mind.memory
-    circles = surroundings.view.obstacle_circles
-    circles.update()
-    return _Sight(
-        memory.places,
-        memory.distances,
-        surroundings.radius,
-        mind.obstacles,
-        circles.middles,
-        circles.radii,
-        circles.keys,
-        circles.things,
-    )
-
-
 class _Obstacles(NamedTuple):
     """Circles to walk around.
 
@@ -222,11 +184,11 @@ class _Obstacles(NamedTuple):
 
 def _obstacles(mind: Mind, target: int) -> _Obstacles:
     """Return all obstacles on the way to a target."""
-    return _find_obstacles(_sight(mind), target, mind.at, mind.body_radius)
+    return _find_obstacles(mind.sight, target, mind.at, mind.body_radius)
 
 
 @entry
-def _find_obstacles(sight: _Sight, target: int, at: Array, body_radius: float) -> _Obstacles:
+def _find_obstacles(sight: Sight, target: int, at: Array, body_radius: float) -> _Obstacles:
     """Return all obstacles of a walker at x and z, other than its target [m]."""
     places, distances = sight.places, sight.distances
     circle_middles, circle_radii = sight.circle_middles, sight.circle_radii
@@ -270,7 +232,7 @@ def is_way_free(mind: Mind, place: Array) -> bool:
 
 @entry
 def _walk_straight(
-    sight: _Sight,
+    sight: Sight,
     target: int,
     walker: _Walker,
     place: Array,
@@ -285,6 +247,16 @@ def _walk_straight(
     x, z = place[0] - walker.at[0], place[1] - walker.at[1]
     left = max(math.sqrt(x * x + z * z) - stop_distance, 0.0)
     return is_straight, _walk(obstacles, walker, place, left, keys, senses)
+
+
+@cache
+def _straight_walker() -> Callable[..., tuple[bool, _Walk]]:
+    """Return `_walk_straight` for arguments of the types that it always has."""
+    places, numbers, none = np.zeros((1, 2)), np.zeros(1, dtype=np.int64), np.zeros(1)
+    is_obstacle = np.zeros(1, dtype=np.bool_)
+    sight = Sight(np.zeros((1, 3)), none, none, is_obstacle, places, none, numbers, numbers)
+    walker = _Walker(none, 0.0, 0.0, places, 0.0)
+    return bound(_walk_straight, examples=(sight, 0, walker, none, 0.0, numbers, none))
 
 
 @entry
@@ -308,7 +280,7 @@ def _walk(
     """
     at, bounds, forced = walker.at, walker.bounds, walker.forced
     offset_x, offset_z = first[0] - at[0], first[1] - at[1]
-    size = max(math.hypot(offset_x, offset_z), 1e-9)
+    size = max(hypotenuse(offset_x, offset_z), 1e-9)
     near = _near(obstacles, size, walker.body_radius)
     away, gaps, senses = np.empty((len(near), 2)), np.empty(len(near)), np.empty(len(near))
     keys, kept, count = np.empty(len(near), np.int64), np.empty(len(near)), 0
@@ -332,7 +304,7 @@ def _walk(
     x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, walker.pace)
     x = _inward(at[0], x, bounds[0, 0], bounds[1, 0])
     z = _inward(at[1], z, bounds[0, 1], bounds[1, 1])
-    speed = math.hypot(x, z)
+    speed = hypotenuse(x, z)
     reach, size = max(left, 0.35) if len(near) else left, max(speed, 1e-9)
     goal_x, goal_z = at[0] + x * reach / size, at[1] + z * reach / size
     return _Walk(speed, goal_x, goal_z, left, keys[:count], kept[:count])

@@ -38,15 +38,15 @@ JOYS: Mapping[str, float] = {"play": 0.8, "comfort": 0.5, "carry": 0.35, "push":
 
 
 @entry
-def show_feelings(arrays: MindArrays, turns: NDArray[np.int64], felt: Array, told: Array) -> None:
+def show_feelings(arrays: MindArrays, felt: Array, told: Array, turns: NDArray[np.int64]) -> None:
     """Let feelings show of the minds whose turn it is.
 
     Args:
         arrays: all minds.
-        turns: numbers of these minds.
         felt: (P, 6) emotions of people, in the order of `EMOTIONS`, from 0 to 1; changed.
         told: (M, 5) channels of the take, of which the first three are set: anxiety, distance of
             the caregiver [m], and focus.
+        turns: numbers of these minds.
     """
     for n in turns:
         mind, fear = arrays.minds[n], 0.0

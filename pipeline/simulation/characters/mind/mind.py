@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.mind.detour_state import DetourState
 from pipeline.simulation.characters.mind.felt_emotions import FACE, JOYS
-from pipeline.simulation.characters.mind.mind_arrays import MindArrays
+from pipeline.simulation.characters.mind.mind_arrays import NOISE_ROWS, MindArrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import (
     ANXIETY,
@@ -29,6 +29,7 @@ from pipeline.simulation.characters.mind.perception import (
     Memory,
     Surroundings,
 )
+from pipeline.simulation.characters.mind.sight import Sight
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
@@ -117,10 +118,12 @@ class Mind:
         self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
         self._records = records
         self._noise = arrays.noise[number]
-        self._state = record_view(arrays.minds, number)
+        self._state, self.at = record_view(arrays.minds, number), arrays.at[number]
+        self._state.noise_row = NOISE_ROWS - 1
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
+        self._sight: Sight | None = None
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.cried = self.gasped = -math.inf
         self.next_laugh = 0.0
@@ -129,7 +132,6 @@ class Mind:
         self.doing, self.command = "", MotorCommand()
         # Time since the thought before [s].
         self._pause = self.now = 0.0
-        self.at = np.zeros(2)
         self.froude_speed = math.sqrt(GRAVITY * float(controller.record.hip_height))
 
     @property
@@ -191,7 +193,7 @@ class Mind:
     def is_on_terrain(self, place: Sequence[float] | Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        x, z = place
+        x, z = float(place[0]), float(place[1])
         is_inside = low_x + margin < x < high_x - margin
         return bool(is_inside and low_z + margin < z < high_z - margin)
 
@@ -218,7 +220,10 @@ class Mind:
     def opens_arms(self, owner: int) -> bool:
         """Tell whether a character holds both arms out for somebody, as far as can be seen."""
         record = self._records.get(owner)
-        return record is not None and bool((record.arm_mode >= PLACED).all())
+        if record is None:
+            return False
+        left, right = record.arm_mode.tolist()
+        return bool(left >= PLACED and right >= PLACED)
 
     def hands_gap(self, owner: int) -> float:
         """Return the distance between the hands of a character, as felt in its arms [m]."""
@@ -239,6 +244,23 @@ class Mind:
         obstacles = self.is_obstacle.copy()
         obstacles[nodes["owner"][held]] = False
         return obstacles
+
+    @property
+    def sight(self) -> Sight:
+        """What it knows of things in its way."""
+        obstacles, known = self.obstacles, self._sight
+        circles = self.surroundings.view.obstacle_circles
+        circles.update()
+        if known is not None and known.is_obstacle is obstacles:
+            if known.circle_middles is circles.middles:
+                return known
+        places, distances = self.memory.places, self.memory.distances
+        known = Sight(
+            *(places, distances, self.surroundings.radius, obstacles),
+            *(circles.middles, circles.radii, circles.keys, circles.things),
+        )
+        self._sight = known
+        return known
 
     def is_ridden(self, thing: int) -> bool:
         """Tell whether somebody else stands on a merry-go-round."""
@@ -287,12 +309,13 @@ class Mind:
         """Pass on what `notice` needs to know of it."""
         state = self._state
         state.returns, state.hugs = self.doing == "attachment", self.is_hugging
-        self.rng.random(out=self._noise)
+        state.noise_row = (state.noise_row + 1) % NOISE_ROWS
+        if state.noise_row == 0:
+            self.rng.random(out=self._noise)
 
     def take_over(self, now: float) -> None:
-        """Accept the time [s] and place at which it has noticed."""
+        """Accept the time at which it has noticed [s]."""
         self._pause, self.now = now - self.now, now
-        self.at = self.surroundings.places[self.number_of_self, ::2].copy()
 
     def choose(self) -> None:
         """Follow the behaviour of the highest activation."""

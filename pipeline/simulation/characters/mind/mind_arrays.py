@@ -14,6 +14,9 @@ from pipeline.simulation.characters.body_arrays import NOBODY, RecordArray
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.spatial import Array
 
+NOISE_ROWS = 8
+"""Thoughts for which a mind draws random numbers at once: each draw has its cost."""
+
 MIND = np.dtype(
     [
         # Numbers of its character, its `PERSON` record, and its caregiver or NOBODY.
@@ -32,6 +35,8 @@ MIND = np.dtype(
         ("focus", "i8"),
         ("focus_salience", "f8"),
         ("now", "f8"),
+        # Row of its noise that the next thought takes.
+        ("noise_row", "i8"),
         # Joy in what it does, from 0 to 1, before its worries.
         ("delight", "f8"),
     ],
@@ -57,7 +62,8 @@ class MindArrays(NamedTuple):
         valence: (M, C) how good each is, from -1 to 1.
         priority: (M, C) of watching each, from 0 to about 1.
         nearness: (M, C) 1 for what is close, less for what is far.
-        noise: (M, C) random numbers from 0 to 1 for the next thought.
+        noise: (M, NOISE_ROWS, C) random numbers from 0 to 1 for so many thoughts.
+        at: (M, 2) x and z of each itself [m].
     """
 
     minds: RecordArray
@@ -74,6 +80,7 @@ class MindArrays(NamedTuple):
     priority: Array
     nearness: Array
     noise: Array
+    at: Array
 
 
 def mind_arrays(places: Array, interest: Array, valence: Array) -> MindArrays:
@@ -101,5 +108,6 @@ def mind_arrays(places: Array, interest: Array, valence: Array) -> MindArrays:
         valence=np.broadcast_to(valence, shape).copy(),
         priority=np.zeros(shape),
         nearness=np.zeros(shape),
-        noise=np.zeros(shape),
+        noise=np.zeros((shape[0], NOISE_ROWS, shape[1])),
+        at=np.zeros((len(interest), 2)),
     )

@@ -6,7 +6,8 @@ Source: Horswill 2008, "High-level Control".
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -15,7 +16,7 @@ from pipeline.simulation.characters.behaviours.registry import (
     behaviour_number,
     behaviours_of,
 )
-from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.carousel_pose import way_off_deck
 from pipeline.simulation.characters.gestures import Gestures
 from pipeline.simulation.characters.hug_tasks import Hug
@@ -31,7 +32,7 @@ from pipeline.simulation.characters.person_record import REACHING, STANDING, SWI
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
-from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.compiled import Records, bound
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
@@ -48,7 +49,7 @@ CHANNELS = (
 )
 """Names and units of what the take tells of a mind."""
 
-THINKING_INTERVAL = 0.1  # of a mind, about [s]
+THINKING_INTERVAL = 0.125  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
 DISTRESS_CRY_INTERVAL = 3.0  # [s]
 MIN_CRY_INTERVAL = 0.8  # [s]
@@ -133,7 +134,7 @@ class MindScheduler:
         # Of the channels: nobody is looked at, and nothing done yet.
         self._values = np.full((len(self.minds), len(CHANNELS)), float(NOBODY))
         everybody = np.arange(len(self.minds))
-        show_feelings(self._arrays, everybody, np.zeros_like(self.felt), self._values)
+        show_feelings(self._arrays, np.zeros_like(self.felt), self._values, everybody)
         self._numbers = self._arrays.minds["delight"], self._values[:, 3], self._values[:, 4]
         self._pains = pains
         self._own_gestures = OwnGestures(
@@ -203,7 +204,8 @@ class MindScheduler:
             turns = sorted(hurt.union(turns))
         if not turns:
             return
-        self._notice(turns, now)
+        numbers = np.array(turns)
+        self._notice(turns, numbers, now)
         ordered, giving = self._dispatcher.is_ordered, self._dispatcher.giving
         delights, gazes, behaviours = self._numbers
         led = {n for n in turns if ordered(k := self._indices[n]) or k in giving}
@@ -223,26 +225,28 @@ class MindScheduler:
             self._dispatcher.glance(k, mind.glances.at)
             delights[n], gazes[n] = mind.delight, mind.glances.at
             behaviours[n] = behaviour_number(mind.doing)
-        show_feelings(self._arrays, np.array(turns), self.felt, self._values)
+        self._show_feelings(numbers)
 
-    def _notice(self, turns: Sequence[int], now: float) -> None:
-        """Let minds perceive, remember, feel and attend."""
-        surroundings = self._surroundings
-        surroundings.update(now, self._sub_step)
+    def _notice(self, turns: Sequence[int], numbers: IntArray, now: float) -> None:
+        """Let minds, whose numbers come twice, perceive, remember, feel and attend."""
+        self._surroundings.update(now, self._sub_step)
         for n in turns:
             self.minds[n].prepare()
-        notice(
-            self._arrays,
-            np.array(turns),
-            self._persons,
-            surroundings.places,
-            surroundings.velocities,
-            surroundings.radius,
-            surroundings.valence,
-            now,
-        )
+        self._notice_all(numbers, now)
         for n in turns:
             self.minds[n].take_over(now)
+
+    @cached_property
+    def _notice_all(self) -> Callable[[IntArray, float], None]:
+        seen = self._surroundings
+        known = seen.places, seen.velocities, seen.radius, seen.valence
+        examples = np.arange(1), 0.0
+        return bound(notice, self._arrays, self._persons, *known, examples=examples)
+
+    @cached_property
+    def _show_feelings(self) -> Callable[[IntArray], None]:
+        shown = self._arrays, self.felt, self._values
+        return bound(show_feelings, *shown, examples=(np.arange(1),))
 
     def _cry_in_distress(self, k: int, mind: Mind) -> None:
         """Let a distressed child cry on its way back, until it is in its caregiver's arms."""

@@ -6,7 +6,8 @@ Source: Horswill 2008, "Example application"; Bowlby 1969 for anxiety.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +18,9 @@ from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.person_controller import BODY_RADIUS
 from pipeline.simulation.characters.person_record import PELVIS
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, bound, compiled, entry
 from pipeline.simulation.dynamics.record_view import record_view
+from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 MEMORY_SPAN = 12.0  # for which characters out of view are remembered [s]
@@ -135,11 +137,13 @@ class Surroundings:
         """Update places and velocities; `h` is a sub-step [s]."""
         if now != self.now:
             self.now = now
-            arrays = self.view.arrays
-            place_characters(
-                *(arrays.nodes, arrays.owners, self.people, h),
-                *(self.places, self.velocities),
-            )
+            self._place(h)
+
+    @cached_property
+    def _place(self) -> Callable[[float], None]:
+        arrays = self.view.arrays
+        places = arrays.nodes, arrays.owners, self.people, self.places, self.velocities
+        return bound(place_characters, *places, examples=(1.0,))
 
 
 @entry
@@ -147,9 +151,9 @@ def place_characters(
     nodes: Records,
     owners: Records,
     people: NDArray[np.bool_],
-    h: float,
     places: Array,
     velocities: Array,
+    h: float,
 ) -> None:
     """Find the places (C, 3) [m] and velocities (C, 3) [m/s] of all characters."""
     for c in range(len(owners)):
@@ -168,24 +172,24 @@ def place_characters(
 @entry
 def notice(
     arrays: MindArrays,
-    turns: NDArray[np.int64],
     persons: Records,
     places: Array,
     velocities: Array,
     radius: Array,
     valence: Array,
+    turns: NDArray[np.int64],
     now: float,
 ) -> None:
     """Let minds perceive, remember, feel and attend.
 
     Args:
         arrays: all minds; changed.
-        turns: numbers of the minds whose turn it is.
         persons: `PERSON` records.
         places: (C, 3) of all characters [m].
         velocities: (C, 3) of all characters [m/s].
         radius: (C,) of the circles around them [m].
         valence: (C,) natural valence of each.
+        turns: numbers of the minds whose turn it is.
         now: the time [s].
     """
     for n in turns:
@@ -209,6 +213,7 @@ def _see(
     mind = arrays.minds[n]
     known, in_view = arrays.places[n], arrays.in_view[n]
     at_x, at_z = places[mind.owner, 0], places[mind.owner, 2]
+    arrays.at[n, 0], arrays.at[n, 1] = at_x, at_z
     ahead_x, ahead_z, cosine = math.cos(gaze), math.sin(gaze), math.cos(VIEW_HALF_ANGLE)
     for c in range(len(places)):
         x, z = places[c, 0] - at_x, places[c, 2] - at_z
@@ -235,7 +240,7 @@ def _feel(mind: Record, distances: Array, places: Array, dt: float) -> None:
         return
     x = places[mind.caregiver, 0] - places[mind.owner, 0]
     z = places[mind.caregiver, 2] - places[mind.owner, 2]
-    mind.caregiver_distance = math.hypot(x, z)
+    mind.caregiver_distance = hypotenuse(x, z)
     trait = mind.natural_anxiety * (EMOTION.returning if mind.returns else 1.0)
     mind.anxiety = next_anxiety(mind.anxiety, trait, distances[mind.caregiver], mind.hugs, dt)
 
@@ -280,7 +285,7 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
         arrays.nearness[n, c] = near
         interest = arrays.interest[n, c]
         drawn = interest + min(MOTION_SALIENCE * speed, 0.3) + fears[c]
-        varied = 1.0 + SALIENCE_NOISE * (2.0 * arrays.noise[n, c] - 1.0)
+        varied = 1.0 + SALIENCE_NOISE * (2.0 * arrays.noise[n, mind.noise_row, c] - 1.0)
         salience[c] = freshness(arrays.seen[n, c], mind.now) * near * drawn * varied
         arrays.valence[n, c] = min(max(natural_valence[c] - 1.5 * fears[c], -1.0), 1.0)
         watched = 0.06 * near if interest > 0.2 else 0.0

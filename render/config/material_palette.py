@@ -25,6 +25,10 @@ def _row(
     return {"color": color, **second, "roughness": roughness, **pattern, **others}
 
 
+def _cloth(color: str) -> Row:
+    return _row(color, None, 0.82, ("weave", 0.025, 0.22), sheen=0.3)
+
+
 # fmt: off
 CREATURES: dict[str, Row] = {
     "green chitin":   _row("#46691f", "#2c5a3a", 0.5, ("shell", 0.3, 1.7),
@@ -76,20 +80,20 @@ CREATURES: dict[str, Row] = {
     "brown iris":     _row("#5e3618", None,      0.12, None, clearcoat=1.0),
     "blue iris":      _row("#4f86b4", None,      0.12, None, clearcoat=1.0),
     "green iris":     _row("#5d8a4a", None,      0.12, None, clearcoat=1.0),
-    "red cloth":      _row("#9c2f2b", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "blue cloth":     _row("#2c4a73", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "green cloth":    _row("#3d5f3a", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "white cloth":    _row("#d6d1c4", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "black cloth":    _row("#232326", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "grey cloth":     _row("#77787a", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "yellow cloth":   _row("#c1913a", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
+    "red cloth":      _cloth("#9c2f2b"),
+    "blue cloth":     _cloth("#2c4a73"),
+    "green cloth":    _cloth("#3d5f3a"),
+    "white cloth":    _cloth("#d6d1c4"),
+    "black cloth":    _cloth("#232326"),
+    "grey cloth":     _cloth("#77787a"),
+    "yellow cloth":   _cloth("#c1913a"),
     "denim":          _row("#3b4f6e", "#455876", 0.88, ("weave", 0.07, 0.35), sheen=0.25),
-    "navy cloth":     _row("#1f2a44", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "teal cloth":     _row("#2f6f6d", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "pink cloth":     _row("#c98a93", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "orange cloth":   _row("#b8602c", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "plum cloth":     _row("#5d3550", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
-    "beige cloth":    _row("#a8916f", None,      0.82, ("weave", 0.025, 0.22), sheen=0.3),
+    "navy cloth":     _cloth("#1f2a44"),
+    "teal cloth":     _cloth("#2f6f6d"),
+    "pink cloth":     _cloth("#c98a93"),
+    "orange cloth":   _cloth("#b8602c"),
+    "plum cloth":     _cloth("#5d3550"),
+    "beige cloth":    _cloth("#a8916f"),
     "lips":           _row("#a8594c", None,      0.4,  None, clearcoat=0.2),
     "dark lips":      _row("#5f2f28", None,      0.4,  None, clearcoat=0.2),
 }

@@ -65,7 +65,7 @@ from pipeline.simulation.spatial import Array
 
 LOOK_INTERVAL = 4  # steps from one look at others to the next
 HORIZON = 3.0  # within which nobody is met [s]
-STANDING_HORIZON = 1.2  # of one that is held up, for who stands in a crowd: rows bar no way
+STANDING_HORIZON = 1.2  # the same for who stands in a crowd, of a walker that is held up [s]
 SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]

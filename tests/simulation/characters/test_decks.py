@@ -105,6 +105,16 @@ def test_pushers_slow_a_merry_go_round_down_for_those_who_get_off() -> None:
     assert not crossed(0.0)
 
 
+PUSHED_RIDE = """cast:
+- {name: c, character: merry-go-round}
+- {name: rider, character: child, at: [0.9, -0.3], heading_deg: 180}
+- {name: pusher, character: child, at: [-1.7, 0.2], heading_deg: 0, scale: 1.15}
+script:
+- {at: 0, who: rider, do: {ride: c}}
+- {at: 0, who: pusher, do: {push: c, turns: 3}}
+"""
+
+
 def _turn_rate(play: Play) -> Array:
     """Return the rate (steps,) at which the merry-go-round "c" turns [rad/s]."""
     hub, first = play.firsts["c"], play.firsts["c"] + 2
@@ -114,13 +124,8 @@ def _turn_rate(play: Play) -> Array:
 
 @pytest.mark.nightly
 def test_a_rider_gets_off_a_merry_go_round_that_is_pushed_without_a_fall() -> None:
-    cast = "- {name: c, character: merry-go-round}\n"
-    cast += "- {name: rider, character: child, at: [0.9, -0.3], heading_deg: 180}\n"
-    cast += "- {name: pusher, character: child, at: [-1.7, 0.2], heading_deg: 0, scale: 1.15}\n"
-    script = "script:\n- {at: 0, who: rider, do: {ride: c}}\n"
-    script += "- {at: 0, who: pusher, do: {push: c, turns: 3}}\n"
-    script += "- {at: 9, who: rider, do: {go_to: [3, -3]}}\n"
-    play = play_scene(f"duration: 18\ncast:\n{cast}{script}")
+    end = "- {at: 9, who: rider, do: {go_to: [3, -3]}}\n"
+    play = play_scene(f"duration: 18\n{PUSHED_RIDE}{end}")
     rider, now = play.records[:, 1], 9 * STEPS
     rate = np.abs(_turn_rate(play))
     assert rate[now] > 0.5
@@ -131,11 +136,6 @@ def test_a_rider_gets_off_a_merry_go_round_that_is_pushed_without_a_fall() -> No
 
 
 def test_hands_follow_the_posts_of_a_turning_merry_go_round_from_step_to_step() -> None:
-    cast = "- {name: c, character: merry-go-round}\n"
-    cast += "- {name: rider, character: child, at: [0.9, -0.3], heading_deg: 180}\n"
-    cast += "- {name: pusher, character: child, at: [-1.7, 0.2], heading_deg: 0, scale: 1.15}\n"
-    script = "script:\n- {at: 0, who: rider, do: {ride: c}}\n"
-    script += "- {at: 0, who: pusher, do: {push: c, turns: 3}}\n"
     offsets = {"rider": list[float](), "pusher": list[float]()}
 
     def look(troupe: Characters, step: int) -> None:
@@ -145,7 +145,7 @@ def test_hands_follow_the_posts_of_a_turning_merry_go_round_from_step_to_step() 
                     offset = controller.held_place(k) - controller.record.arm_target[k]
                     offsets[controller.name].append(math.hypot(offset[0], offset[2]))
 
-    play = play_scene(f"duration: 9\ncast:\n{cast}{script}", look)
+    play = play_scene(f"duration: 9\n{PUSHED_RIDE}", look)
     moved = 0.8 * np.abs(_turn_rate(play)).max() / STEPS
     assert moved > 0.005
     for found in offsets.values():

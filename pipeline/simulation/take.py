@@ -121,6 +121,8 @@ class Mesh:
         targets: (n, 2) int32 vertex, and the unit of its performer's face that moves it; (0, 2) for
             none.
         offsets: (n, 3) float32 by which it moves at the unit's full action, in the rest frame [m].
+        creases: (V, 3) float32 by which a vertex moves where its two nodes are turned by a right
+            angle or more, by the sine of a smaller one, in the rest frame [m]; (0, 3) for none.
     """
 
     vertices: NDArray[np.float32]
@@ -132,9 +134,10 @@ class Mesh:
     hair: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
     targets: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     offsets: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    creases: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
 
 
-OPTIONAL_ARRAYS = ("paint", "hair", "targets", "offsets")
+OPTIONAL_ARRAYS = ("paint", "hair", "targets", "offsets", "creases")
 """Arrays of meshes that may be empty, the last ones of a mesh."""
 
 

@@ -33,7 +33,7 @@ from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery_tally import SceneryTally
 from pipeline.production.shots.carried_lamps import CarriedLamps
-from pipeline.production.shots.coarse_faces import with_coarse_faces
+from pipeline.production.shots.coarse_people import with_coarse_people
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
 from pipeline.production.shots.fractured_boulders import chipped, fractured
@@ -126,7 +126,7 @@ class ShotBuilder:
         if self._floor is not None:
             self._terrain = replace(self._terrain, material=self._floor)
         # Once it is known how large the heads are in the picture.
-        take = self.take = with_coarse_faces(take, self.tracks.grain)
+        take = self.take = with_coarse_people(take, self.tracks.grain)
         self._skin = Skin.of(take)
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)

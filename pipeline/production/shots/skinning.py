@@ -27,9 +27,10 @@ class Skin:
         vertices: (V, 3) in the rest frame, relative to each of the two nodes: (2, V, 3) [m].
         nodes: (2, V).
         weights: (2, V, 1).
-        blended: (B,) vertices that follow two nodes.
+        blended: (B,) vertices that follow two nodes, or crease where these are bent.
         starts: (P + 1,) first vertex of each visible part.
         motions: of the faces.
+        creases: (V, 3) moves at a right angle of both nodes [m]; (0, 3) for none.
     """
 
     vertices: Array
@@ -38,6 +39,7 @@ class Skin:
     blended: NDArray[np.int64]
     starts: NDArray[np.int64]
     motions: FaceMotions = field(default_factory=FaceMotions)
+    creases: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @staticmethod
     def of(take: Take) -> Skin:
@@ -63,13 +65,18 @@ class Skin:
         rest = np.array([node.rest for node in take.nodes])
         vertices = np.concatenate(placed).astype(float)
         weights = np.concatenate([mesh.weights for mesh in meshes]).T[..., None].astype(float)
+        creases = _creases(meshes)
+        blended = weights[1, :, 0] > 0.0
+        if len(creases):
+            blended = blended | creases.any(axis=1)
         return Skin(
             vertices=vertices - rest[nodes],
             nodes=nodes,
             weights=weights,
-            blended=np.flatnonzero(weights[1, :, 0] > 0.0),
+            blended=np.flatnonzero(blended),
             starts=starts,
             motions=FaceMotions.of(take, meshes, starts),
+            creases=creases,
         )
 
     def thinned(self, most: int) -> Skin:
@@ -129,6 +136,10 @@ class Skin:
         there = p[b] + (R[b] @ offsets[1][..., None])[..., 0]
         turned = _product(q[b], q[a] * _CONJUGATE)
         turned = turned * np.where(turned[:, :1] < 0.0, -1.0, 1.0)
+        if len(self.creases):
+            folded = _sine_of_bend(turned)[:, None] * self.creases[some]
+            here = here + (R[a] @ folded[..., None])[..., 0]
+            there = there + (R[b] @ folded[..., None])[..., 0]
         # there = turned (here) + shift
         shift = there - _turned(turned, here)
         dual = 0.5 * _product(np.concatenate([np.zeros_like(share), shift], axis=-1), turned)
@@ -139,6 +150,23 @@ class Skin:
         real, dual = real / norm, share * dual / norm
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
         return _turned(real, here) + moved
+
+
+def _creases(meshes: Sequence[Mesh]) -> Array:
+    """Return the creases (V, 3) of all vertices of some meshes [m]; (0, 3) without any."""
+    if not any(len(mesh.creases) for mesh in meshes):
+        return np.zeros((0, 3))
+    parts = (m.creases if len(m.creases) else np.zeros_like(m.vertices) for m in meshes)
+    return np.concatenate([*parts]).astype(float)
+
+
+def _sine_of_bend(turned: Array) -> Array:
+    """Return the sines (n,) of the angles of quaternions wxyz (n, 4), w ≥ 0; 1 beyond 90 degrees.
+
+    A quaternion is half as long along its axis as a rotation turns: w is the cosine of half of it.
+    """
+    w = np.clip(turned[:, 0], np.sqrt(0.5), 1.0)
+    return 2.0 * w * np.sqrt(1.0 - w * w)
 
 
 def spread_vertices(vertices: Array, most: int) -> NDArray[np.int64]:

@@ -6,6 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.simulation.figures.solids import vertex_normals
+from pipeline.simulation.people.bend_creases import (
+    BARE_ELBOW,
+    BARE_KNEE,
+    TROUSERED_KNEE,
+    hinge_creases,
+)
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.cloth_folds import (
     LEG as LEG_FOLDS,
@@ -24,6 +31,7 @@ from pipeline.simulation.people.signed_distance import (
     smooth_union,
 )
 from pipeline.simulation.people.skinned_surface import (
+    MIRROR,
     SkinnedPatch,
     Surface,
     cached_part,
@@ -72,7 +80,12 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     by_wrist = surface.follow("forearm_r", "hand_r", hand)
     low_part = y < 0.5 * (wrist + build.level(0.632))
     frames = np.where(low_part[:, None], by_wrist.frames, by_elbow.frames)
-    arm = SkinnedPatch(surface.vertices, surface.faces, frames, np.where(low_part, hand, elbow))
+    normals = vertex_normals(surface.vertices, surface.faces)
+    crease = hinge_creases(build, BARE_ELBOW, surface.vertices, normals, z)
+    crease[low_part] = 0.0
+    arm = SkinnedPatch(
+        surface.vertices, surface.faces, frames, np.where(low_part, hand, elbow), crease=crease
+    )
     return with_mirror(merge_patches([arm, *fingers(build)]))
 
 
@@ -102,8 +115,8 @@ SEAT = (
     (0.490, -0.002, 0.056, 0.064, 0.095),
     (0.525, -0.004, 0.058, 0.068, 0.098),
     (0.560, -0.003, 0.060, 0.062, 0.091),
-    (0.595, 0.001, 0.058, 0.055, 0.0820),
-    (0.625, 0.002, 0.052, 0.046, 0.074),
+    (0.595, 0.001, 0.056, 0.053, 0.0790),
+    (0.625, 0.002, 0.048, 0.042, 0.069),
 )
 """Outline of the pelvis in trousers; see `BodyMeasures.outline`."""
 
@@ -155,7 +168,7 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
         covered: whether a coat hangs over them; thighs are thinner then and stay below it.
     """
     girth, end = build.girth, 0.330 if shorts else TROUSER_END
-    pelvis = oval_stack(build.outline(SEAT, build.hip_breadth))
+    pelvis = oval_stack(build.outline(SEAT, build.hip_breadth * build.waisted(SEAT)))
     leg = oval_stack(build.outline(LEG), build.hips)
     depth = fold_depth(build, SHORTS if shorts else LEG_FOLDS, build.hips)
     solid = smooth_union([pelvis, leg], 0.030 * girth)
@@ -180,7 +193,19 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
     between = ramp(np.abs(places[:, 2]), 0.036 * girth, 0.008 * girth)
     below = ramp(places[:, 1], build.level(0.500), build.level(0.450))
     shade = shade * (1.0 - CROTCH_SHADE * between * below)
-    return replace(_skinned_trousers(build, places, surface), shade=shade)
+    patch = replace(_skinned_trousers(build, places, surface), shade=shade)
+    if shorts:
+        return patch
+    return replace(patch, crease=_knee_creases(build, patch))
+
+
+def _knee_creases(build: BodyMeasures, patch: SkinnedPatch) -> Array:
+    """Return by how much trousers move where knees are bent (n, 3) [m]."""
+    side = np.where(patch.vertices[:, 2:] < 0.0, MIRROR, 1.0)
+    normals = side * vertex_normals(patch.vertices, patch.faces)
+    moves = hinge_creases(build, TROUSERED_KNEE, side * patch.vertices, normals, build.hips)
+    on_leg = (patch.frames[:, 0] != FRAMES.index("pelvis"))[:, None]
+    return np.where(on_leg, side * moves, 0.0)
 
 
 COVERED, COVERED_DEPTH = (0.365, 0.415), 0.016
@@ -228,4 +253,7 @@ def bare_shins(build: BodyMeasures) -> SkinnedPatch:
     surface = polygonise(field, low, high, 0.0170 * girth, stretch=1.45)
     knee = build.level(0.285)
     share = 1.0 - ramp(surface.vertices[:, 1], knee - 0.028 * girth, knee + 0.028 * girth)
-    return with_mirror(surface.follow("thigh_r", "shin_r", share))
+    patch = surface.follow("thigh_r", "shin_r", share)
+    normals = vertex_normals(patch.vertices, patch.faces)
+    crease = hinge_creases(build, BARE_KNEE, patch.vertices, normals, z)
+    return with_mirror(replace(patch, crease=crease))

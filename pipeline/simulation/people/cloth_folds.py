@@ -47,8 +47,8 @@ class Gather:
 
 
 SLEEVE = (
-    Gather(0.634, 0.040, 0.032, 0.0054, slant=0.55, run=0.3, front=(1.0, 0.45)),
-    Gather(0.520, 0.026, 0.025, 0.0032, slant=0.25, run=-0.3),
+    Gather(0.634, 0.042, 0.029, 0.0064, slant=0.55, run=0.3, front=(1.0, 0.45)),
+    Gather(0.524, 0.030, 0.024, 0.0046, slant=0.25, run=-0.3),
     Gather(0.758, 0.032, 0.034, 0.0036, slant=-0.35, run=1.0, front=(1.0, 0.7)),
 )
 """Of a long sleeve: at the elbow, above the cuff, and below the shoulder."""
@@ -56,10 +56,11 @@ SLEEVE = (
 SHORT_SLEEVE = (Gather(0.748, 0.030, 0.034, 0.0024, slant=-0.3, run=1.2, front=(1.0, 0.7)),)
 
 SHIRT = (
-    Gather(0.598, 0.050, 0.040, 0.0031, slant=0.45, run=0.80),
-    Gather(0.735, 0.045, 0.042, 0.0028, slant=0.2, run=-1.0, front=(1.0, 0.8)),
+    Gather(0.610, 0.048, 0.038, 0.0062, slant=0.45, run=0.75),
+    Gather(0.735, 0.042, 0.040, 0.0048, slant=0.2, run=-1.0, front=(1.0, 0.8)),
+    Gather(0.532, 0.030, 0.080, 0.0050, slant=1.2, run=2.2),
 )
-"""Of a shirt: at the waist, and towards the armpits."""
+"""Of a shirt: at the waist, towards the armpits, and down to the hem."""
 
 LEG = (
     Gather(0.066, 0.034, 0.030, 0.0060, slant=-0.40, run=0.4, front=(1.0, 0.75)),

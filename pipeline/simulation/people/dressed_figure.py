@@ -116,12 +116,18 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
     nodes[alone, 1] = np.where(nodes[alone, 0] == 0, bones.links[FRAMES.index("head")], 0)
     # Hair, and what faces and hands move, turn with the frame that a vertex follows most.
     own = bones.turns[mesh.nodes[np.arange(len(nodes)), mesh.weights.argmax(axis=1)]]
-    hair, offsets = mesh.hair, mesh.offsets
+    hair, offsets, creases = mesh.hair, mesh.offsets, mesh.creases
     if len(hair):
         hair = (own * hair[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
     if len(offsets):
         by_frame = own[mesh.targets[:, 0]]
         offsets = (by_frame * offsets[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
+    if len(creases):
+        # A figure is drawn with its arms out: shoulders are bent at rest.
+        first, second = (bones.turns[mesh.nodes[:, k]] for k in (0, 1))
+        alike = np.abs(first - second).max(axis=(1, 2)) < 0.1
+        turned = (first * creases[:, None, :]).sum(axis=-1)
+        creases = np.where(alike[:, None], turned, 0.0).astype(np.float32)
     moved = replace(
         mesh,
         vertices=places.astype(np.float32),
@@ -129,8 +135,9 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
         weights=weights,
         hair=hair,
         offsets=offsets,
+        creases=creases,
     )
-    for array in (moved.vertices, moved.nodes, moved.weights, moved.hair, moved.offsets):
+    for array in (moved.vertices, moved.nodes, moved.weights, hair, offsets, creases):
         array.setflags(write=False)
     return replace(layer, mesh=moved)
 

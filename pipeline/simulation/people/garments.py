@@ -42,14 +42,14 @@ SKIRT = (
     (0.470, -0.002, 0.067, 0.076, 0.106),
     (0.525, -0.003, 0.062, 0.071, 0.097),
     (0.570, -0.002, 0.059, 0.061, 0.091),
-    (0.605, 0.001, 0.057, 0.052, 0.084),
-    (0.625, 0.002, 0.056, 0.050, 0.080),
+    (0.605, 0.001, 0.054, 0.049, 0.079),
+    (0.625, 0.002, 0.048, 0.043, 0.071),
 )
 """Outline of a skirt from its hem to its waist; see `BodyMeasures.outline`."""
 
 SKIRT_HEM, COAT_HEM = 0.300, 0.360
 
-FOLDS, FOLD_DEPTH = 11, 0.0045
+FOLDS, FOLD_DEPTH = 11, 0.0075
 """Number of the folds of a skirt, and their depth at its hem, in an adult's height."""
 
 WORN = 0.0032
@@ -59,7 +59,8 @@ WORN = 0.0032
 def _skirt(build: BodyMeasures, hem: float, grown: float) -> SkinnedPatch:
     """Return a skirt down to a height, wider than the usual one by `grown` all around."""
     girth, end = build.girth, build.level(hem)
-    stack = offset_solid(oval_stack(build.outline(SKIRT, build.hip_breadth)), grown * girth)
+    outline = build.outline(SKIRT, build.hip_breadth * build.waisted(SKIRT))
+    stack = offset_solid(oval_stack(outline), grown * girth)
     waist = build.level(0.60)
 
     def folded(places: Array) -> Array:

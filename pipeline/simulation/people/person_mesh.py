@@ -92,7 +92,7 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
     shape = (
         (clothes.style, clothes.hair_length),
         *sleeves_and_legs,
-        clothes.build,
+        (clothes.build, clothes.is_curved),
         clothes.garments,
         clothes.features,
     )
@@ -132,14 +132,14 @@ def _cached_meshes(
     hair: tuple[HairStyle, float],
     short_sleeves: bool,
     shorts: bool,
-    stature: Stature,
+    stature: tuple[Stature, bool],
     garments: tuple[Garment, ...],
     features: Features,
     *colors: str,
 ) -> tuple[tuple[str, Mesh], ...]:
     tints = tint_colors(*colors)
     style, length = hair
-    build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
+    build = BodyMeasures(proportions, GIRTH_FACTORS[stature[0]], stature[1])
     head = Head(build)
     layers = [
         (name, _mesh(merge_patches(patches), tints))
@@ -205,6 +205,8 @@ def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:
         extra["hair"] = hair
     if len(patch.targets):
         extra["offsets"] = patch.offsets
+    if len(patch.crease):
+        extra["creases"] = patch.crease
     mesh = Mesh(
         patch.vertices.astype(np.float32),
         np.ascontiguousarray(patch.faces, dtype=np.uint32),

@@ -85,7 +85,7 @@ class Proportions:
     shoulder: float = 0.818
     head: float = 0.930
     hips: float = 0.055
-    shoulders: float = 0.115
+    shoulders: float = 0.103
     upper_arm: float = 0.186
     forearm: float = 0.146
     hand: float = 0.108
@@ -132,7 +132,7 @@ CHILD = Proportions(
     shoulder=0.785,
     head=0.905,
     hips=0.062,
-    shoulders=0.118,
+    shoulders=0.107,
     upper_arm=0.175,
     forearm=0.140,
     hand=0.110,
@@ -165,6 +165,10 @@ GIRTH_FACTORS = {"slim": 0.93, "medium": 1.0, "sturdy": 1.09}
 """Girths by stature."""
 
 
+WAIST, WAIST_REACH, NARROWED = 0.628, 0.055, 0.10
+"""Height of a narrow waist in an adult's, its reach up and down, and by how much it is narrower."""
+
+
 @dataclass(frozen=True)
 class BodyMeasures:
     """Measures of one person, for the meshes of its body and clothes.
@@ -175,10 +179,12 @@ class BodyMeasures:
     Attributes:
         proportions: of the person.
         stoutness: girth as a fraction of the usual one for its weight.
+        is_curved: whether it has a bust and a narrow waist once it is grown up.
     """
 
     proportions: Proportions
     stoutness: float
+    is_curved: bool = False
 
     @cached_property
     def girth(self) -> float:
@@ -192,6 +198,11 @@ class BodyMeasures:
         """Size of the head: 0 an adult's, 1 that of a child of six."""
         part = self.proportions.head_size
         return float(np.clip((part - ADULT.head_size) / 0.05, 0.0, 1.0))
+
+    @property
+    def curves(self) -> float:
+        """How much there is of bust and waist, from 0 to 1."""
+        return (1.0 - self.childish) if self.is_curved else 0.0
 
     def level(self, fraction: float) -> float:
         """Return the height of an adult's landmark at a fraction of its height [m]."""
@@ -229,6 +240,12 @@ class BodyMeasures:
     def hip_breadth(self) -> float:
         """Width of the pelvis for the girth, relative to an adult's."""
         return self.hips / (ADULT.hips * self.girth / self.stoutness)
+
+    def waisted(self, rows: Sequence[Sequence[float]]) -> Array:
+        """Return the breadth factor (n,) of the rows of an outline, narrower at a narrow waist."""
+        levels = np.array([row[0] for row in rows])
+        narrow = NARROWED * self.curves * np.exp(-(((levels - WAIST) / WAIST_REACH) ** 2))
+        return np.asarray(1.0 - narrow)
 
     @property
     def shoulder_breadth(self) -> float:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.solids import vertex_normals
+from pipeline.simulation.people.bend_creases import SLEEVED_ELBOW, hinge_creases
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
 from pipeline.simulation.people.body_mesh import ARM, below_elbow
 from pipeline.simulation.people.cloth_folds import (
@@ -22,6 +24,7 @@ from pipeline.simulation.people.cloth_folds import (
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
     Field,
+    ellipsoid,
     half_space,
     offset_solid,
     oval_stack,
@@ -41,10 +44,10 @@ from pipeline.simulation.people.skinned_surface import (
 from pipeline.simulation.spatial import Array
 
 TORSO = (
-    (0.490, -0.003, 0.073, 0.082, 0.112),
-    (0.520, -0.003, 0.072, 0.080, 0.110),
-    (0.545, -0.003, 0.070, 0.075, 0.105),
-    (0.570, -0.002, 0.067, 0.068, 0.096),
+    (0.490, -0.003, 0.078, 0.087, 0.117),
+    (0.520, -0.003, 0.077, 0.085, 0.115),
+    (0.545, -0.003, 0.074, 0.079, 0.109),
+    (0.570, -0.002, 0.069, 0.070, 0.098),
     (0.590, 0.000, 0.065, 0.063, 0.090),
     (0.605, 0.001, 0.064, 0.060, 0.087),
     (0.640, 0.002, 0.061, 0.054, 0.084),
@@ -81,10 +84,13 @@ SUNK, SLOPE = 0.020, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
+LIFTED = 0.45
+"""Share of that slope which arms take back that are lifted by a right angle."""
+
 SLEEVE_THICKNESS = 0.0036
 """Of a sleeve with the air in it, in girths."""
 
-CELL = 0.0165
+CELL = 0.0120
 """Distance of the samples of a shirt, in girths."""
 
 SHORT_END, LONG_END = 0.715, 0.500
@@ -119,16 +125,25 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     half = 0.5 * SPREAD
     turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))
     hanging = _swung(spread, joint, -turned)
-    hanging[:, 1] -= _slope(build, hanging)
+    sunk = _slope(build, hanging)
+    hanging[:, 1] -= sunk
     frames, share = _followed(build, hanging, straight, pull)
     by_trunk = fold_shade(build, trunk_folds, spread)
     shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
+    normals = side * vertex_normals(side * hanging, net.faces)
+    crease = np.zeros_like(hanging)
+    if not short_sleeves:
+        bent = hinge_creases(build, SLEEVED_ELBOW, straight, normals, build.shoulders)
+        crease = (pull >= 1.0)[:, None] * bent
+    # Lifted arms take back what letting them down took.
+    crease[:, 1] += LIFTED * sunk * (pull < 1.0)
     return SkinnedPatch(
         side * hanging,
         net.faces,
         np.where(side[:, 2:] < 0.0, MIRRORED_FRAMES[frames], frames),
         share,
         shade=shade * _armpit_shade(build, hanging, pull),
+        crease=side * crease,
     )
 
 
@@ -143,7 +158,7 @@ def _slope(build: BodyMeasures, hanging: Array) -> Array:
     """Return by how much cloth (n,) is lower [m] where the shoulder of a hanging arm slopes."""
     g, y, z = build.girth, hanging[:, 1], hanging[:, 2]
     aside = ramp(z, build.shoulders - SLOPE[0] * g, build.shoulders + SLOPE[1] * g)
-    return SUNK * g * aside * ramp(y, build.level(0.735), build.level(0.815))
+    return SUNK * g * aside * ramp(y, build.level(0.760), build.level(0.815))
 
 
 def _followed(
@@ -197,10 +212,24 @@ def _sleeve_field(build: BodyMeasures, end: float) -> Field:
     return smooth_intersection(smooth_union([arm, shoulder], 0.02 * g), above, CUT_EDGE * g)
 
 
+NARROWER_CHEST = 0.04
+"""By how much the chest above a bust is narrower."""
+
+BUST, BUST_RADII = (0.024, 0.7285, 0.0405), (0.0475, 0.0430, 0.0445)
+"""Middle of a bust, ahead in girths, its height, and aside; and its radii, in girths."""
+
+
 def shirt_field(build: BodyMeasures) -> Field:
     """Return the solid of a trunk in a shirt, from below its hem to its collar."""
-    girth = build.girth
+    girth, curves = build.girth, build.curves
     torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
+    if curves > 0.0:
+        ahead, level, aside = BUST
+        radii = girth * curves * np.array(BUST_RADII)
+        middle = np.array([ahead * girth, build.level(level), aside * girth])
+        bust = [ellipsoid(middle * m, radii) for m in (1.0, MIRROR)]
+        # Cloth spans the hollow between.
+        torso = smooth_union([torso, smooth_union(bust, 0.06 * girth)], 0.030 * girth)
     # The trapezius slopes down from the sides of the neck to the shoulders.
     neck = np.array([-0.014 * girth, build.level(0.838), 0.022 * girth])
     tip = np.array([0.0, build.level(0.794), build.shoulders - 0.010 * girth])
@@ -217,5 +246,7 @@ def chest_share(build: BodyMeasures, heights: Array) -> Array:
 
 def torso_breadths(build: BodyMeasures) -> Array:
     """Return the breadth factor of each row of a shirt, from the hips to the chest."""
-    up = ramp(np.array([row[0] for row in TORSO]), 0.56, 0.70)
-    return build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)
+    levels = np.array([row[0] for row in TORSO])
+    up = ramp(levels, 0.56, 0.70)
+    chest = build.shoulder_breadth * (1.0 - NARROWER_CHEST * build.curves)
+    return build.waisted(TORSO) * (build.hip_breadth + up * (chest - build.hip_breadth))

@@ -69,6 +69,8 @@ class SkinnedPatch:
         offsets: (n, 3) by which it moves at the unit's full action [m].
         tint: (V, 2) number of another colour than the material's, and its share; (0, 2) for none.
         shade: (V,) factor on the colour, less than 1 in folds and hollows; (0,) for none.
+        crease: (V, 3) by which vertices move where their frames are bent by a right angle [m];
+            (0, 3) for none.
     """
 
     vertices: Array
@@ -79,6 +81,7 @@ class SkinnedPatch:
     offsets: Array = field(default_factory=lambda: np.zeros((0, 3)))
     tint: Array = field(default_factory=lambda: np.zeros((0, 2)))
     shade: Array = field(default_factory=lambda: np.zeros(0))
+    crease: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def tints(self) -> Array:
@@ -89,6 +92,11 @@ class SkinnedPatch:
     def shades(self) -> Array:
         """Factors on the colour (V,), with none written out."""
         return self.shade if len(self.shade) else np.ones(len(self.vertices))
+
+    @property
+    def creases(self) -> Array:
+        """Moves of bent vertices (V, 3), with none written out [m]."""
+        return self.crease if len(self.crease) else np.zeros_like(self.vertices)
 
     def mirrored(self) -> SkinnedPatch:
         """Return the patch mirrored to the other side of the body, with its frames."""
@@ -101,6 +109,7 @@ class SkinnedPatch:
             self.offsets * MIRROR,
             self.tint,
             self.shade,
+            self.crease * MIRROR,
         )
 
 
@@ -135,6 +144,9 @@ def merge_patches(patches: Sequence[SkinnedPatch]) -> SkinnedPatch:
         np.concatenate([p.shades for p in patches])
         if any(len(p.shade) for p in patches)
         else np.zeros(0),
+        np.concatenate([p.creases for p in patches])
+        if any(len(p.crease) for p in patches)
+        else np.zeros((0, 3)),
     )
 
 

@@ -158,6 +158,11 @@ class Clothes:
     hair_length: float = 1.0
     features: Features = MEAN_FEATURES
 
+    @property
+    def is_curved(self) -> bool:
+        """Whether bodies under them have a bust and a narrow waist: as hair is worn long."""
+        return self.style in LONGER
+
 
 def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, Clothes]:
     """Return the random clothes of all people of a scene, whatever their order.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -48,6 +49,33 @@ def slowly(take: Take, mesh: Mesh, vertex: int, row: int) -> NDArray[np.float64]
     part = 2.0 * np.arctan2(B, A)
     slope = (w * np.cos(angle / 2) * A + w * np.sin(angle / 2) * B) / (A * A + B * B)
     return point + rotation(axis, part) @ (here - point) + slide * slope * axis
+
+
+@pytest.mark.parametrize(("degrees", "share"), [(0.0, 0.0), (30.0, 0.5), (90.0, 1.0), (150.0, 1.0)])
+def test_creases_act_by_the_sine_of_the_bend(degrees: float, share: float) -> None:
+    """The nodes turn about one place, where a vertex of either stays without its crease."""
+    crease, q = np.array([0.02, -0.01, 0.03]), np.array([[1.0, 0.0, 0.0, 0.0]] * 2)
+    half = np.radians(degrees) / 2
+    q[1] = [np.cos(half), 0.0, 0.0, np.sin(half)]
+    mesh = Mesh(
+        np.zeros((3, 3), np.float32),
+        np.array([[0, 1, 2]], np.uint32),
+        np.array([[0, 1]] * 3, np.int32),
+        np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]], np.float32),
+        creases=np.array([crease, crease, 0 * crease], np.float32),
+    )
+    take = SimpleNamespace(
+        nodes=[SimpleNamespace(rest=(0.0, 0.0, 0.0))] * 2,
+        rotations=q[None],
+        positions=np.zeros((1, 2, 3)),
+        scales=np.zeros((1, 0, 3)),
+        scaled=(),
+        alive=np.ones((1, 2), bool),
+        faces=(),
+    )
+    posed = Skin.of_meshes(take, [mesh]).posed(take, 0)  # type: ignore[arg-type]
+    wanted = share * np.array([crease, matrix(q[1]) @ crease, 0 * crease])
+    np.testing.assert_allclose(posed, wanted, atol=1e-7)
 
 
 def rigid(skin: Skin, node: int) -> NDArray[np.bool_]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.production.shots.coarse_faces import FINE_PIXEL, PAINTED, with_coarse_faces
+from pipeline.production.shots.coarse_people import FINE_PIXEL, PAINTED, with_coarse_people
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.simulation.take import Take
 from tests.simulation.characters.scripted_people import run_scene
@@ -24,10 +24,10 @@ def heads(take: Take) -> list[int]:
 
 def test_heads_are_as_fine_as_their_pixels(take: Take) -> None:
     count = len(visible_parts(take))
-    fine = with_coarse_faces(take, np.full(count, FINE_PIXEL))
+    fine = with_coarse_people(take, np.full(count, FINE_PIXEL))
     assert all(a is b for a, b in zip(fine.meshes, take.meshes, strict=True))
     sizes = [
-        sum(len(mesh.faces) for mesh in with_coarse_faces(take, np.full(count, pixel)).meshes)
+        sum(len(mesh.faces) for mesh in with_coarse_people(take, np.full(count, pixel)).meshes)
         for pixel in (0.003, 0.005, 0.008, np.inf)
     ]
     assert sizes == sorted(sizes, reverse=True)
@@ -36,7 +36,7 @@ def test_heads_are_as_fine_as_their_pixels(take: Take) -> None:
 
 def test_coarse_heads_stand_and_act_as_fine_ones(take: Take) -> None:
     pixel = 0.006
-    coarse = with_coarse_faces(take, np.full(len(visible_parts(take)), pixel))
+    coarse = with_coarse_people(take, np.full(len(visible_parts(take)), pixel))
     row = len(take.positions) - 1
     fine_skin, skin = Skin.of(take), Skin.of(coarse)
     before, after = fine_skin.posed(take, row), skin.posed(coarse, row)
@@ -52,14 +52,14 @@ def test_coarse_heads_stand_and_act_as_fine_ones(take: Take) -> None:
 
 def test_nothing_small_vanishes() -> None:
     take = run_scene("  - {name: doll, character: ragdoll, scale: 0.3}\n", 0.05, "").take()
-    coarse = with_coarse_faces(take, np.full(len(visible_parts(take)), np.inf))
+    coarse = with_coarse_people(take, np.full(len(visible_parts(take)), np.inf))
     assert all(len(coarse.meshes[part.seen].faces) for part in visible_parts(coarse))
     assert sum(len(m.faces) for m in coarse.meshes) < sum(len(m.faces) for m in take.meshes)
 
 
 @pytest.mark.parametrize(("layer", "pixel", "most"), [("skin", 0.009, 0.4), ("eyes", 0.006, 0.2)])
 def test_lips_and_irises_keep_their_size(take: Take, layer: str, pixel: float, most: float) -> None:
-    coarse = with_coarse_faces(take, np.full(len(visible_parts(take)), pixel))
+    coarse = with_coarse_people(take, np.full(len(visible_parts(take)), pixel))
     found = [part for part in visible_parts(coarse) if part.name.endswith(f".{layer}")]
     assert len(found) == 2
     for part in found:

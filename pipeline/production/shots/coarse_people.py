@@ -1,4 +1,4 @@
-"""Coarse faces: heads of fewer triangles for people who stay small in all frames of a film."""
+"""Coarse people: fewer triangles for people who stay small in all frames of a film."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Take
 
 FINE_PIXEL = 0.0055
-"""Size of a pixel on a head beyond which the head is coarse [m]: some 41 pixels from chin to
-crown."""
+"""Size of a pixel on somebody beyond which he is coarse [m]: some 41 pixels from chin to crown."""
 
 CELL_PIXELS, MAX_CELL = 1.7, 0.03
 """Size of the cells within which vertices become one, in pixels, and the largest [m]."""
@@ -23,8 +22,8 @@ PAINTED = 0.9
 eyes would be white and teeth would come through lips."""
 
 
-def with_coarse_faces(take: Take, finest: Array) -> Take:
-    """Return a take whose faces are as fine as they show.
+def with_coarse_people(take: Take, finest: Array) -> Take:
+    """Return a take whose people are as fine as they show.
 
     Args:
         take: of the film.
@@ -34,7 +33,8 @@ def with_coarse_faces(take: Take, finest: Array) -> Take:
     made: dict[tuple[int, float], tuple[NDArray[np.int64], NDArray[np.uint32]]] = {}
     for part, pixel in zip(visible_parts(take), finest, strict=False):
         mesh = take.meshes[part.seen]
-        if not len(mesh.targets) or len(mesh.hair) or pixel <= FINE_PIXEL:
+        of_person = len(mesh.targets) or len(mesh.creases)
+        if not of_person or len(mesh.hair) or pixel <= FINE_PIXEL:
             continue
         cell = min(CELL_PIXELS * float(pixel), MAX_CELL)
         # Rounded, so that people in like clothes share it.
@@ -50,16 +50,14 @@ def with_coarse_faces(take: Take, finest: Array) -> Take:
 def _clustered(mesh: Mesh, cell: float) -> tuple[NDArray[np.int64], NDArray[np.uint32]]:
     """Return the vertices of a mesh that are left, and the faces between these.
 
-    Vertices that follow the head become one within a cell, the first of them; painted ones apart.
+    Vertices become one within a cell, the first of them; painted ones apart, and those of other
+    nodes: an arm does not grow on the trunk.
     """
-    head = int(np.bincount(mesh.nodes[mesh.targets[:, 0], 0]).argmax())
-    on_head = (mesh.nodes == head).any(axis=1)
     cells = np.floor(mesh.vertices / cell).astype(np.int64)
-    # Others are alone in cells of their own.
-    own = np.where(on_head, -1, np.arange(len(on_head)))
-    painted = mesh.paint[:, 3] > PAINTED if len(mesh.paint) else np.zeros(len(own), bool)
-    own = np.where(on_head & painted, -2, own)
-    keys = np.concatenate([cells * on_head[:, None], own[:, None]], axis=1)
+    painted = np.zeros(len(cells), bool)
+    if len(mesh.paint):
+        painted = (mesh.paint[:, 3] > PAINTED) & (mesh.nodes == _head(mesh)).any(axis=1)
+    keys = np.concatenate([cells, mesh.nodes, painted[:, None]], axis=1)
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     faces = first[inverse.reshape(-1)][mesh.faces.astype(np.int64)]
     a, b, c = faces.T
@@ -69,6 +67,12 @@ def _clustered(mesh: Mesh, cell: float) -> tuple[NDArray[np.int64], NDArray[np.u
         return _clustered(mesh, 0.5 * cell)
     kept, faces = np.unique(faces, return_inverse=True)
     return kept, faces.reshape(-1, 3).astype(np.uint32)
+
+
+def _head(mesh: Mesh) -> int:
+    """Return the number of the head's node, which most units of a face move; -1 without."""
+    moved = mesh.nodes[mesh.targets[:, 0], 0]
+    return int(np.bincount(moved).argmax()) if len(moved) else -1
 
 
 def _of_vertices(mesh: Mesh, kept: NDArray[np.int64], faces: NDArray[np.uint32]) -> Mesh:
@@ -87,4 +91,5 @@ def _of_vertices(mesh: Mesh, kept: NDArray[np.int64], faces: NDArray[np.uint32])
         paint=mesh.paint[kept] if len(mesh.paint) else mesh.paint,
         targets=np.stack([targets, mesh.targets[:, 1]], axis=-1)[stay].astype(np.int32),
         offsets=mesh.offsets[stay],
+        creases=mesh.creases[kept] if len(mesh.creases) else mesh.creases,
     )

@@ -12,7 +12,7 @@ from pipeline.simulation.people.head_mesh import CROWN, Head
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
 from pipeline.simulation.spatial import UP, Array, normalized
 
-LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.40, "bun": 0.26}
+LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.40, "bun": 0.17}
 """Length of the strands by style, in heads. They overlap: long hair needs no longer."""
 
 LIFTS_DEG: Mapping[str, float] = {"short": 12.0, "bob": 6.0, "long": 6.0, "bun": 6.0}
@@ -73,7 +73,9 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch, parting: float = 0.0)
     locks = _locks(seen)
     flow = normalized(flow) + LOCK_TURNS[style] * locks
     length = LENGTHS[style] * head.size * cut * (1.0 + LOCK_LENGTH * locks[:, 0])
-    spanned = length / (ROUND * head.size) * ramp(seen[:, 1], *SKULL)
+    # Drawn up into a bun it lies on the nape as well.
+    lies = 1.0 if style == "bun" else ramp(seen[:, 1], *SKULL)
+    spanned = length / (ROUND * head.size) * lies
     near = np.exp(-((np.linalg.norm(seen - np.array(CROWN), axis=-1) / CROWN_SIZE) ** 2))
     lift = np.radians(LIFTS_DEG[style] + CROWN_LIFT_DEG * near)
     return combed(flow, normals, length, lift - 0.5 * spanned)

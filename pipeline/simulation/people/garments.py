@@ -293,8 +293,7 @@ def _strap(build: BodyMeasures, line: Array) -> SkinnedPatch:
     aside = 0.5 * STRAP_WIDTH * g * normalized(cross(out, along))
     high, low = (points + worn * WORN * g * out for worn in (STRAP_WORN, -1.0))
     rings = np.stack([low - aside, high - 0.8 * aside, high + 0.8 * aside, low + aside], axis=1)
-    solid = loft(rings, rings[[0, -1]].mean(axis=1))
-    return Surface(solid.vertices, solid.faces).follow("chest")
+    return _on_trunk(build, rings)
 
 
 PANEL_COLUMNS = 9
@@ -321,10 +320,14 @@ def _panel(
     # Its back is inside the shirt.
     sheets = [np.stack([x, y, z], axis=-1) for x in (above, above - (worn + 2.0) * WORN * g)]
     rings = np.concatenate([sheets[1], sheets[0][:, ::-1]], axis=1)
+    return _on_trunk(build, rings)
+
+
+def _on_trunk(build: BodyMeasures, rings: Array) -> SkinnedPatch:
+    """Return a solid through rings (n, m, 3) that follows the trunk as a shirt does."""
     solid = loft(rings, rings[[0, -1]].mean(axis=1))
-    return Surface(solid.vertices, solid.faces).follow(
-        "pelvis", "chest", chest_share(build, solid.vertices[:, 1])
-    )
+    share = chest_share(build, solid.vertices[:, 1])
+    return Surface(solid.vertices, solid.faces).follow("pelvis", "chest", share)
 
 
 def _front_of_shirt(build: BodyMeasures, y: Array, z: Array) -> Array:

@@ -63,7 +63,7 @@ LEAST_MOVE = 4e-4
 """Least move of a vertex by a unit that is kept [heads]."""
 
 
-ADULT_HEAD = 0.12
+ADULT_HEAD = 0.06
 """By how much larger the head of an adult is drawn: broad shoulders in clothes dwarf it."""
 
 

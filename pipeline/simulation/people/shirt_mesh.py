@@ -84,7 +84,7 @@ SUNK, SLOPE = 0.020, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
-LIFTED = 0.45
+LIFTED = 0.65
 """Share of that slope which arms take back that are lifted by a right angle."""
 
 SLEEVE_THICKNESS = 0.0036

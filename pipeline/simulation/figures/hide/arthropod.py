@@ -20,6 +20,7 @@ from pipeline.simulation.figures.hide.shell_parts import (
     beetle_leg,
     chelicerae,
     claw_solids,
+    front_plates,
     is_claw,
     joint_paint,
     leg_segment,
@@ -66,7 +67,7 @@ SMALL_EYES = {
 COMPOUND_EYES = {"ant": (0.30, 0.28, 0.16)}
 """Radii of compound eyes in that of the head: along, up and to the side."""
 
-USUAL_COMPOUND_EYE = (0.42, 0.38, 0.24)
+USUAL_COMPOUND_EYE = (0.46, 0.44, 0.30)
 
 
 class ArthropodHide:
@@ -203,7 +204,7 @@ class ArthropodHide:
         else:
             solids = mandibles(tip, along, r, 1.25)
             if self.kind == "beetle":
-                solids += palps(tip, along, r)
+                solids += [*palps(tip, along, r), *front_plates(tip, along, r)]
         link = chain.limb.links[-1]
         return [
             self.stance.rigid(solid, link, painted(len(solid.vertices), JAW_COLOR, 0.9))
@@ -293,7 +294,7 @@ class ArthropodHide:
         # Compound eyes: large, drawn out along the side of the head.
         unit = small_ball(np.zeros(3), 1.0, 12, 9)
         sizes = r * scale * np.array(COMPOUND_EYES.get(self.kind, USUAL_COMPOUND_EYE))
-        at = tip + r * np.array([0.40, 0.24, side * 0.80])
+        at = tip + r * np.array([0.50, 0.30, side * 0.80])
         yield outward(Solid(at + sizes * unit.vertices, unit.faces))
 
 

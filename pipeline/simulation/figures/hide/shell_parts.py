@@ -339,7 +339,7 @@ def front_plates(tip: Array, along: Array, radius: float) -> list[Solid]:
     """Return the two plates above the jaws: a face is blank without them."""
     side = normalized(cross(along, UP))
     axes = np.stack([along, cross(side, along), side])
-    unit = small_ball(np.zeros(3), 1.0, 10, 8)
+    unit = small_ball(np.zeros(3), 1.0, 8, 4)
     solids = []
     for (ahead, up), radii in LABRUM:
         middle = tip + radius * (ahead * along + up * UP)

@@ -25,6 +25,7 @@ from pipeline.simulation.figures.hide.feet import (
     spread_toes,
     toe_nails,
 )
+from pipeline.simulation.figures.hide.fillets import filleted
 from pipeline.simulation.figures.hide.furrows import furrowed
 from pipeline.simulation.figures.hide.hair_lay import HairLay
 from pipeline.simulation.figures.hide.head import Head
@@ -121,6 +122,7 @@ class Patch:
         limbs: numbers of the limbs that it follows.
         lumps: of its coarse mesh.
         fine: lumps of finer meshes, their cell [m], their most triangles, and whether a skull's.
+        shanks: surfaces that grow out of the coarse mesh, and the number of the limb of each.
         skins: more surfaces.
         covered: links inside.
         most: triangles of its coarse mesh beyond the usual.
@@ -130,6 +132,7 @@ class Patch:
     limbs: list[int] = field(default_factory=list)
     lumps: list[Lump] = field(default_factory=list)
     fine: list[tuple[list[Lump], float, int, bool]] = field(default_factory=list)
+    shanks: list[tuple[Solid, int]] = field(default_factory=list)
     skins: list[Skin] = field(default_factory=list)
     covered: set[int] = field(default_factory=set)
     most: int = 0
@@ -256,8 +259,7 @@ class AnimalHide:
                     chain, first, shank, girths, above_shank(feet), self._leg_core
                 )
                 lumps = [ankle_lump(chain)]
-                solid = shank_solid(chain, shank, girths, feet)
-                patch.skins.append(self._hide(solid, [i]))
+                patch.shanks.append((shank_solid(chain, shank, girths, feet), i))
             if after == len(limb.links):
                 self._add_foot(chain, feet, patch, lumps, girths[-1])
 
@@ -522,6 +524,9 @@ class AnimalHide:
             if any(paint.where == "patches" for paint in self.figure.skin.paint):
                 cell, most = NET_CELL * cell, int(most / NET_CELL**2)
             solid = budgeted(patch.lumps, cell, most)
+            for shank, i in patch.shanks:
+                solid, shank = filleted(solid, patch.lumps, shank)
+                yield self._hide(shank, [i])
             yield self._hide(solid, patch.limbs, has_face=patch.has_face, lumps=patch.lumps)
         for lumps, cell, most, is_head in patch.fine:
             yield self._meshed(patch, lumps, cell, most, is_head)

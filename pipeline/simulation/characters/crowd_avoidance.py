@@ -28,7 +28,12 @@ from pipeline.simulation.characters.barriers import (
     note_passage,
 )
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
-from pipeline.simulation.characters.gap_choice import MOST_SEEN, SIGHT, head_for_gap
+from pipeline.simulation.characters.gap_choice import (
+    MOST_SEEN,
+    SIGHT,
+    expected_velocity,
+    head_for_gap,
+)
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
 from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
@@ -42,6 +47,7 @@ from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.right_of_way import (
     MOST_SHARED,
+    hold_up_one_another,
     lag_at_crossing,
     lag_at_passage,
     lag_of_held_up,
@@ -336,6 +342,10 @@ def _forbid(
         share, own_x, own_z = 1.0, wanted_x, wanted_z
     elif lag < 0.0:
         own_x, own_z = own_x - lag * (wanted_x - own_x), own_z - lag * (wanted_z - own_z)
+    others_x, others_z = other.velocity[0], other.velocity[1]
+    if lag > 0.0 and hold_up_one_another(one, other):
+        # It steps back before one with the right of way, who would stand before it for good.
+        others_x, others_z = expected_velocity(other)
     space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE
@@ -353,8 +363,8 @@ def _forbid(
             x, z, space = row_x, row_z, space + width
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
-    vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]
-    vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
+    vx = own_x + one.carry_velocity[0] - others_x - other.carry_velocity[0]
+    vz = own_z + one.carry_velocity[1] - others_z - other.carry_velocity[1]
     is_apart = square > space * space
     is_beside = one.neighbour_distance < math.inf
     if one.impatience > 0.0 or is_beside:

@@ -94,6 +94,7 @@ HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pas
 MORE_SIDESTEP_COST = 1.0
 
 HELD_UP_RATE = 0.25  # share of the change by which others hold it up that is noticed in a look
+LATENESS_RATE, CALMING_RATE = 0.02, 0.0025  # change of it in a look: held up; walking freely
 ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
 
 
@@ -121,6 +122,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
         person.looked = (person.looked + 1) % LOOK_INTERVAL
         if not person.has_goal:
             person.detour, person.impatience, person.held_up = 0.0, -PATIENCE, 0.0
+            person.lateness = 0.0
             person.arms_wanted_in = 0.0
             person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
             make_way(persons, order, n, near)
@@ -286,6 +288,9 @@ def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) ->
     gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
     sign = 1.0 if gain < SLOW * speed else -1.0
     person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
+    is_late = person.impatience > 0.0 and sign > 0.0
+    change = LATENESS_RATE if is_late else -CALMING_RATE
+    person.lateness = min(max(person.lateness + change, 0.0), 1.0)
 
 
 @allocating

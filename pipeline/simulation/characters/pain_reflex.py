@@ -33,8 +33,8 @@ FLINCH_PART = 0.5  # of the activation of withdrawal over that of the order
 
 WITHDRAWAL_TIME = 0.8  # [s]
 WITHDRAWAL_DISTANCE = 1.4  # [m]
-WITHDRAWAL_FROUDE = 0.55  # pace, in √(g l)
-WITHDRAWAL_FACING = math.radians(75.0)  # from the striker to where a person faces meanwhile
+WITHDRAWAL_FROUDE = 0.42  # pace, in √(g l)
+WITHDRAWAL_FACING = math.radians(60.0)  # from the striker to where a person faces meanwhile
 WITHDRAWAL_TURNS = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
 """Directions tried aside from straight away [rad]."""
 

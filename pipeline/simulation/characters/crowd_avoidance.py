@@ -316,6 +316,19 @@ def _shares_way(one: Record, other: Record) -> bool:
     return result
 
 
+@inlined
+def _coming_velocity(one: Record, other: Record, lag: float) -> tuple[float, float]:
+    """Return the velocity along x and z at which another comes, for one with a lag [m/s].
+
+    Of two who hold one another up, the second steps back before the first, who would stand before
+    it for good.
+    """
+    x, z = other.velocity[0], other.velocity[1]
+    if lag > 0.0 and hold_up_one_another(one, other):
+        x, z = expected_velocity(other)
+    return x, z
+
+
 @compiled
 def _forbid(
     one: Record,
@@ -348,10 +361,7 @@ def _forbid(
         share, own_x, own_z = 1.0, wanted_x, wanted_z
     elif lag < 0.0:
         own_x, own_z = own_x - lag * (wanted_x - own_x), own_z - lag * (wanted_z - own_z)
-    others_x, others_z = other.velocity[0], other.velocity[1]
-    if lag > 0.0 and hold_up_one_another(one, other):
-        # It steps back before one with the right of way, who would stand before it for good.
-        others_x, others_z = expected_velocity(other)
+    others_x, others_z = _coming_velocity(one, other, lag)
     space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE

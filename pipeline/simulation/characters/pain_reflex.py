@@ -2,8 +2,8 @@
 
 An order and the withdrawal from pain compete by activation. The more obedient a person is, the
 more pain it bears: from half of that on it flinches, shields its face and looks at the striker,
-and goes on with what it does; beyond it steps back, a shoulder to the striker, and then goes on. People
-with a mind that follow no order withdraw by their own behaviour.
+and goes on with what it does; beyond it steps back, a shoulder to the striker, and then goes on.
+People with a mind that follow no order withdraw by their own behaviour.
 
 Source: Horswill 2008, "High-level Control" (pain withdrawal, a fast, open-loop retreat from a
     source of pain; the highest activation is chosen) and "Tactile sensing" (pain decays).

@@ -225,9 +225,11 @@ script:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("kind", ["head-on", "corner", "gate"])
-def test_two_groups_cross_without_a_blow(kind: str) -> None:
-    out = cross(kind, 25, 1)
+@pytest.mark.parametrize(
+    ("kind", "seed"), [("head-on", 1), ("corner", 1), ("gate", 1), ("gate", 3)]
+)
+def test_two_groups_cross_without_a_blow(kind: str, seed: int) -> None:
+    out = cross(kind, 25, seed)
     assert out.is_good, out.text()
 
 

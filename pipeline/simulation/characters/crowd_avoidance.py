@@ -28,7 +28,12 @@ from pipeline.simulation.characters.barriers import (
     note_passage,
 )
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
-from pipeline.simulation.characters.gap_choice import MOST_SEEN, SIGHT, head_for_gap
+from pipeline.simulation.characters.gap_choice import (
+    MOST_SEEN,
+    SIGHT,
+    expected_velocity,
+    head_for_gap,
+)
 from pipeline.simulation.characters.half_planes import allowed_velocity, velocity_by_braking
 from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
@@ -42,6 +47,7 @@ from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.right_of_way import (
     MOST_SHARED,
+    hold_up_one_another,
     lag_at_crossing,
     lag_at_passage,
     lag_of_held_up,
@@ -88,6 +94,7 @@ HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pas
 MORE_SIDESTEP_COST = 1.0
 
 HELD_UP_RATE = 0.25  # share of the change by which others hold it up that is noticed in a look
+LATENESS_RATE, CALMING_RATE = 0.02, 0.0025  # change of it in a look: held up; walking freely
 ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
 
 
@@ -115,6 +122,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
         person.looked = (person.looked + 1) % LOOK_INTERVAL
         if not person.has_goal:
             person.detour, person.impatience, person.held_up = 0.0, -PATIENCE, 0.0
+            person.lateness = 0.0
             person.arms_wanted_in = 0.0
             person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
             make_way(persons, order, n, near)
@@ -280,6 +288,10 @@ def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) ->
     gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
     sign = 1.0 if gain < SLOW * speed else -1.0
     person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
+    is_held_up = person.held_up * person.held_up > THRONG_SIDESTEP * THRONG_SIDESTEP * speed
+    is_late = is_held_up and person.impatience > 0.0 and sign > 0.0
+    change = LATENESS_RATE if is_late else -CALMING_RATE
+    person.lateness = min(max(person.lateness + change, 0.0), 1.0)
 
 
 @allocating
@@ -302,6 +314,19 @@ def _shares_way(one: Record, other: Record) -> bool:
     """Tell whether another walks as well, and shares the way that two must make."""
     result: bool = other.has_goal and not other.frozen and other.partner != one.owner
     return result
+
+
+@inlined
+def _coming_velocity(one: Record, other: Record, lag: float) -> tuple[float, float]:
+    """Return the velocity along x and z at which another comes, for one with a lag [m/s].
+
+    Of two who hold one another up, the second steps back before the first, who would stand before
+    it for good.
+    """
+    x, z = other.velocity[0], other.velocity[1]
+    if lag > 0.0 and hold_up_one_another(one, other):
+        x, z = expected_velocity(other)
+    return x, z
 
 
 @compiled
@@ -336,6 +361,7 @@ def _forbid(
         share, own_x, own_z = 1.0, wanted_x, wanted_z
     elif lag < 0.0:
         own_x, own_z = own_x - lag * (wanted_x - own_x), own_z - lag * (wanted_z - own_z)
+    others_x, others_z = _coming_velocity(one, other, lag)
     space = 0.5 * own_space * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE
@@ -353,8 +379,8 @@ def _forbid(
             x, z, space = row_x, row_z, space + width
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
-    vx = own_x + one.carry_velocity[0] - other.velocity[0] - other.carry_velocity[0]
-    vz = own_z + one.carry_velocity[1] - other.velocity[1] - other.carry_velocity[1]
+    vx = own_x + one.carry_velocity[0] - others_x - other.carry_velocity[0]
+    vz = own_z + one.carry_velocity[1] - others_z - other.carry_velocity[1]
     is_apart = square > space * space
     is_beside = one.neighbour_distance < math.inf
     if one.impatience > 0.0 or is_beside:

@@ -138,7 +138,7 @@ def _best_direction(
     for m in seen:
         other = persons[m]
         x_off, z_off, room = _room_before(person, other)
-        v_x, v_z = _expected_velocity(other)
+        v_x, v_z = expected_velocity(other)
         for k in range(len(TURNS)):
             time = _meeting_time(x_off, z_off, room, ways[k, 0] - v_x, ways[k, 1] - v_z)
             ways[k, 3] = min(ways[k, 3], time * ways[k, 2])
@@ -156,7 +156,7 @@ def _best_direction(
 
 
 @inlined
-def _expected_velocity(other: Record) -> tuple[float, float]:
+def expected_velocity(other: Record) -> tuple[float, float]:
     """Return the velocity along x and z at which another is expected to go on [m/s].
 
     One that is held up goes where it wants to as soon as it can.

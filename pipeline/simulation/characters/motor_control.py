@@ -142,6 +142,9 @@ def _within_view(
     speed = froude(hypotenuse(velocity[0], velocity[1]), leg_length(person))
     walking = smoothstep(max(speed - slowest, 0.0) / WALKING_GAZE_FROUDE)
     gaze = wrap_angle(person.gaze[0] - person.heading)
+    if person.startled and person.has_facing:
+        # Over the shoulder that turns to the way.
+        gaze = wrap_angle(person.facing - person.heading)
     if abs(way) > STRAIGHT_BACKWARD and way * gaze < 0.0:
         # Over the shoulder over which the person looks already.
         way -= math.copysign(2.0 * math.pi, way)

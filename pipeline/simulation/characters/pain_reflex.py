@@ -2,8 +2,8 @@
 
 An order and the withdrawal from pain compete by activation. The more obedient a person is, the
 more pain it bears: from half of that on it flinches, shields its face and looks at the striker,
-and goes on with what it does; beyond it steps back, facing the striker, and then goes on. People
-with a mind that follow no order withdraw by their own behaviour.
+and goes on with what it does; beyond it steps back, a shoulder to the striker, and then goes on.
+People with a mind that follow no order withdraw by their own behaviour.
 
 Source: Horswill 2008, "High-level Control" (pain withdrawal, a fast, open-loop retreat from a
     source of pain; the highest activation is chosen) and "Tactile sensing" (pain decays).
@@ -33,7 +33,8 @@ FLINCH_PART = 0.5  # of the activation of withdrawal over that of the order
 
 WITHDRAWAL_TIME = 0.8  # [s]
 WITHDRAWAL_DISTANCE = 1.4  # [m]
-WITHDRAWAL_FROUDE = 0.55  # pace, in √(g l)
+WITHDRAWAL_FROUDE = 0.42  # pace, in √(g l)
+WITHDRAWAL_FACING = math.radians(60.0)  # from the striker to where a person faces meanwhile
 WITHDRAWAL_TURNS = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
 """Directions tried aside from straight away [rad]."""
 
@@ -64,6 +65,19 @@ def step_back_goal(
         for turn in WITHDRAWAL_TURNS
     ]
     return next((goal for goal in goals if is_free(goal)), goals[0])
+
+
+def withdrawal_facing(heading: float, to_striker: float) -> float:
+    """Return where a person faces that steps back from pain [rad].
+
+    It turns a shoulder to the striker, the nearer one, so that it sees where it steps.
+
+    Args:
+        heading: of the person [rad].
+        to_striker: direction of the source of the pain [rad].
+    """
+    turned = math.remainder(heading - to_striker, 2.0 * math.pi)
+    return to_striker + math.copysign(WITHDRAWAL_FACING, turned)
 
 
 @dataclass
@@ -185,7 +199,8 @@ class PainReflexes:
                 record.pace = WITHDRAWAL_FROUDE * math.sqrt(GRAVITY * record.hip_height)
                 place = dispatcher.view.pelvis(reflex.striker)
                 x, z = place[0] - record.at[0], place[2] - record.at[1]
-                record.has_facing, record.facing = True, math.atan2(-z, x)
+                record.has_facing = True
+                record.facing = withdrawal_facing(float(record.heading), math.atan2(-z, x))
             else:
                 self._resume(k)
         if now < reflex.flinch_end:

@@ -36,8 +36,10 @@ SHUFFLE_FROUDE = 0.15  # of steps aside or back without turning, in √(g l)
 MAX_CRAB = math.radians(15.0)  # of the way that is walked from the heading
 MOST_FACED_AWAY = math.radians(100.0)  # the same, beyond which a person steps back instead
 BACKWARD_FROUDE = 0.13  # of steps back before what a person keeps facing, in √(g l)
+CATCHING_UP = 0.12  # of one that others have held up, beyond its pace
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
+STARTLED_HASTE = 2.2  # of the turn of one that starts back, relative to others
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
 STEP_EASE = 0.6  # at the edge of a deck
 SLOPE_FACTOR, EASIEST_SLOPE = 3.5, 0.05  # of Tobler's hiking function
@@ -86,7 +88,7 @@ def goal_velocity(person: Record) -> tuple[float, float]:
     left = max(distance - person.stop_distance, 0.0)
     # Slow down so that braking gently ends at the goal.
     speed = min(
-        person.pace,
+        (1.0 + CATCHING_UP * person.lateness) * person.pace,
         math.sqrt(2.0 * BRAKING_ACCELERATION * GRAVITY * left),
         0.5 * VELOCITY_GAIN * left,
     )
@@ -190,8 +192,11 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
         target = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:
         target = person.heading
-    rate = min(max(3.2 * wrap_angle(target - person.heading), -MAX_YAW_RATE), MAX_YAW_RATE)
-    person.yaw_rate += min(max(9.0 * (rate - person.yaw_rate), -14.0), 14.0) * dt
+    haste = STARTLED_HASTE if person.startled else 1.0
+    most = haste * MAX_YAW_RATE
+    rate = min(max(3.2 * haste * wrap_angle(target - person.heading), -most), most)
+    gain, limit = 9.0 * haste, 14.0 * haste * haste
+    person.yaw_rate += min(max(gain * (rate - person.yaw_rate), -limit), limit) * dt
     person.heading = wrap_angle(person.heading + person.yaw_rate * dt)
 
 

@@ -158,6 +158,8 @@ PERSON = np.dtype(
         ("impatience", "f8"),
         # By how much others, rather than walls, change its velocity [m/s].
         ("held_up", "f8"),
+        # How much faster it walks to make up for time that others have cost it, 0 to 1.
+        ("lateness", "f8"),
         # How far it keeps its arms to the body, where others pass close by, 0 to 1, and wants to.
         ("arms_in", "f8"),
         ("arms_wanted_in", "f8"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
 
 HELD_UP = 0.9  # impatience of two who hold one another up
 LEAST_SINE, SURE_SINE = 0.3, 0.6  # of the angle of two ways that cross; that certainly do
@@ -43,11 +43,25 @@ def lag_at_passage(one: Record, other: Record) -> float:
     """Return how certainly a walker is to wait for another between the walls that both pass.
 
     From -1, where it goes first, to 1; 0 away from walls, and where both are as near to them.
-    Those who come out go first, and of those who go in the one that is nearer.
+    Those who come out go first, and of those who go in the one that is nearer. Of two that hold
+    one another up that is certain, or both would press on for good.
     """
     if not (one.has_passage and other.has_passage):
         return 0.0
-    return min(max((one.passage - other.passage) / LEAD, -1.0), 1.0)
+    lead = one.passage - other.passage
+    if lead != 0.0 and hold_up_one_another(one, other):
+        return math.copysign(1.0, lead)
+    return min(max(lead / LEAD, -1.0), 1.0)
+
+
+@inlined
+def hold_up_one_another(one: Record, other: Record) -> bool:
+    """Tell whether two walkers come from opposite sides, and neither gets on."""
+    if one.impatience < HELD_UP or other.impatience < HELD_UP:
+        return False
+    ax, az = one.goal[0] - one.at[0], one.goal[1] - one.at[1]
+    bx, bz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
+    return bool(ax * bx + az * bz <= 0.0)
 
 
 @compiled
@@ -56,11 +70,8 @@ def lag_of_held_up(one: Record, other: Record) -> float:
 
     They come from opposite sides, and neither gets on; the one with the shorter way goes first.
     """
-    if one.impatience < HELD_UP or other.impatience < HELD_UP:
+    if not hold_up_one_another(one, other):
         return 0.0
-    ax, az = one.goal[0] - one.at[0], one.goal[1] - one.at[1]
-    bx, bz = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
-    if ax * bx + az * bz > 0.0:
-        return 0.0
-    left, others_left = math.hypot(ax, az), math.hypot(bx, bz)
+    left = math.hypot(one.goal[0] - one.at[0], one.goal[1] - one.at[1])
+    others_left = math.hypot(other.goal[0] - other.at[0], other.goal[1] - other.at[1])
     return 0.0 if left == others_left else math.copysign(1.0, left - others_left)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.crossing import cross
-from pipeline.simulation.characters import arm_clearance, half_planes, headway
+from pipeline.simulation.characters import arm_clearance, half_planes, headway, right_of_way
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import LOOK_INTERVAL
 from pipeline.simulation.characters.headway import headway_share, passing_share
@@ -18,7 +18,11 @@ from pipeline.simulation.characters.neighbours import (
     order_along_x,
 )
 from pipeline.simulation.characters.person_record import PERSON
-from pipeline.simulation.characters.right_of_way import lag_at_crossing, lag_at_passage
+from pipeline.simulation.characters.right_of_way import (
+    hold_up_one_another,
+    lag_at_crossing,
+    lag_at_passage,
+)
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
@@ -221,9 +225,11 @@ script:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("kind", ["head-on", "corner", "gate"])
-def test_two_groups_cross_without_a_blow(kind: str) -> None:
-    out = cross(kind, 25, 1)
+@pytest.mark.parametrize(
+    ("kind", "seed"), [("head-on", 1), ("corner", 1), ("gate", 1), ("gate", 3)]
+)
+def test_two_groups_cross_without_a_blow(kind: str, seed: int) -> None:
+    out = cross(kind, 25, seed)
     assert out.is_good, out.text()
 
 
@@ -239,11 +245,22 @@ def test_the_one_nearer_to_the_crossing_of_two_ways_goes_first() -> None:
     assert plain.py_func(two[0], two[1]) == 0.0
 
 
-def test_who_comes_out_of_a_passage_goes_before_those_who_go_in() -> None:
+def test_who_comes_out_of_a_passage_goes_before_those_who_go_in(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     plain: Any = lag_at_passage
+    held: Any = hold_up_one_another
+    monkeypatch.setattr(right_of_way, "hold_up_one_another", held.py_func)
     two = zero_records(2, PERSON)
     two["passage"] = -0.4, 0.5
     assert plain.py_func(two[0], two[1]) == 0.0
     two["has_passage"] = True
     assert plain.py_func(two[0], two[1]) == pytest.approx(-0.9)
     assert plain.py_func(two[1], two[0]) == pytest.approx(0.9)
+    # Of two that stand before one another between the walls, one steps back for sure.
+    two["passage"] = -0.05, 0.05
+    two["at"], two["goal"] = [[-0.4, 0.0], [0.4, 0.0]], [[5.0, 0.0], [-5.0, 0.0]]
+    assert plain.py_func(two[0], two[1]) == pytest.approx(-0.1)
+    two["impatience"] = 1.0
+    assert plain.py_func(two[0], two[1]) == -1.0
+    assert plain.py_func(two[1], two[0]) == 1.0

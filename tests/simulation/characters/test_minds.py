@@ -170,10 +170,13 @@ def test_a_blow_causes_withdrawal_from_the_striker() -> None:
     assert minds is not None
     minds.minds[0].feel_blow(2.0, 1, 0.01)
     characters.arrays.owners[0].pain = 0.0
+    gaze = []
     for _ in steps(made):
-        pass
+        gaze.append(abs(float(characters.persons[0].gaze[0])))
     assert characters.persons[0].at[0] < -0.25
-    assert abs(characters.persons[0].heading) < 0.3
+    # It turns a shoulder to the striker, and looks where it goes.
+    assert 0.6 < abs(characters.persons[0].heading) < 1.3
+    assert max(gaze[: len(gaze) // 2]) > 0.5 * np.pi
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pytest
 
 from pipeline.simulation.characters.characters import Characters
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import load_scene
+from tests.simulation.characters.mind_scenes import troupe
 from tests.simulation.characters.scripted_people import STEPS, play_scene
 
+SCENES = Path(__file__).parents[3] / "scenes"
 SCENE = """\
 duration: 2.6
 cast:
@@ -54,3 +61,21 @@ def test_a_small_child_shoves_the_belly_of_a_tall_adult() -> None:
     assert play.when("a")
     pushed = play.joint("b", "pelvis")
     assert pushed[-1, 0] - pushed[0, 0] > 0.02
+
+
+@pytest.mark.nightly
+def test_rivals_look_where_they_go() -> None:
+    made = Simulation(load_scene(SCENES / "fight.yaml"))
+    persons, velocities, gazes = troupe(made).persons, [], []
+    names = [one.name for one in troupe(made).dispatcher.controllers]
+    rivals = [names.index("red"), names.index("blue")]
+    while not made.finished:
+        made.step()
+        velocities.append(persons["velocity"][rivals].copy())
+        gazes.append(persons["gaze"][rivals, 0].copy())
+    velocity, gaze = np.array(velocities), np.array(gazes)
+    walks = np.linalg.norm(velocity, axis=2) > 0.4
+    ahead = velocity[..., 0] * np.cos(gaze) - velocity[..., 1] * np.sin(gaze)
+    walking = walks.sum(axis=0)
+    assert (walking * made.world.clock.dt > 6.0).all()
+    assert ((walks & (ahead < 0.0)).sum(axis=0) < 0.1 * walking).all()

@@ -25,6 +25,7 @@ from pipeline.simulation.characters.pain_reflex import (
     WITHDRAWAL_FROUDE,
     WITHDRAWAL_TIME,
     step_back_goal,
+    withdrawal_facing,
 )
 from pipeline.simulation.characters.terrain_edge import refuge
 from pipeline.simulation.spatial import Array
@@ -192,7 +193,7 @@ class Withdraw(ConfiguredBehaviour[Urge]):
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),
             pace=WITHDRAWAL_FROUDE * mind.froude_speed,
-            facing=math.atan2(-offset[1], offset[0]),
+            facing=withdrawal_facing(heading, math.atan2(-offset[1], offset[0])),
             target=striker,
             startled=True,
         )

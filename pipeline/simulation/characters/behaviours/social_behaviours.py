@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pipeline.simulation.characters.behaviours.potential_field import steer
 from pipeline.simulation.characters.behaviours.registry import (
     ConfiguredBehaviour,
@@ -49,6 +51,8 @@ DRAWING_TIMES = 0.25, 0.8  # for which hands are drawn back before they strike [
 SHOVE_GAP = 4.0  # from which steps to a shove slow down, in arm lengths
 STAND_OFF = 1.1  # distance between rounds [m]
 SLACK = 0.15  # of that distance, within which nobody steps back
+CIRCLING_TURN = math.radians(55.0)  # around the rival, to the place that is walked to
+CIRCLING_DISTANCE = 1.35  # from it to that place, in distances between rounds
 
 
 @implements(Attachment)
@@ -158,7 +162,7 @@ class ComfortChild(ConfiguredBehaviour[Comfort]):
 
 @implements(Fight)
 class FightRival(ConfiguredBehaviour[Fight]):
-    """Go for a rival and shove, step back, and go for it again while angry."""
+    """Go for a rival and shove, step back, walk around it, and go for it again while angry."""
 
     def __init__(self, config: Fight, mind: Mind) -> None:
         super().__init__(config, mind)
@@ -181,9 +185,9 @@ class FightRival(ConfiguredBehaviour[Fight]):
             self.pause_end = mind.now + pause * (0.7 + 0.6 * float(mind.rng.random()))
         if mind.now < self.pause_end:
             distance = STAND_OFF + mind.body_radius + float(mind.surroundings.radius[self.target])
-            if mind.distance_to(self.target) > distance:
-                return steer(mind, place, distance, target=self.target, pace=mind.stroll)
-            return self._step_back(mind, place, distance)
+            if mind.distance_to(self.target) < (1.0 - SLACK) * distance:
+                return self._step_back(mind, place, distance)
+            return self._circle(mind, place, distance)
         if self.grapple is None and mind.gap(self.target) < SHOVE_GAP * mind.controller.arm:
             # Two that strike at the same time would only meet one another's arms.
             low, high = DRAWING_TIMES
@@ -200,12 +204,20 @@ class FightRival(ConfiguredBehaviour[Fight]):
         is_struck = striker == self.target and time > self.began and grapple.struck == 0.0
         return grapple.is_over or is_struck or mind.now - self.began > ROUND_TIME
 
+    def _circle(self, mind: Mind, place: Array, distance: float) -> MotorCommand:
+        """Return the motor command that walks around the rival at a distance [m].
+
+        Both rivals walk the same way round, so that they stay opposite one another.
+        """
+        offset = mind.at - place
+        turn = math.atan2(offset[1], offset[0]) + CIRCLING_TURN
+        ahead = place + CIRCLING_DISTANCE * distance * np.array([math.cos(turn), math.sin(turn)])
+        return steer(mind, mind.clip_to_terrain(ahead), target=self.target, pace=mind.stroll)
+
     def _step_back(self, mind: Mind, place: Array, distance: float) -> MotorCommand:
-        """Return the motor command that keeps a distance, with the eyes on the rival [m]."""
+        """Return the motor command that gains a distance, with the eyes on the rival [m]."""
         facing, offset = mind.heading_to(place), mind.at - place
         left = distance - mind.distance_to(self.target)
-        if left < SLACK * distance:
-            return MotorCommand(facing=facing, target=self.target)
         away = mind.clip_to_terrain(mind.at + offset * (left / max(math.hypot(*offset), 1e-6)))
         goal = float(away[0]), float(away[1])
         pace = GENTLE_PACE * mind.stroll

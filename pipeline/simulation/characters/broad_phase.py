@@ -3,11 +3,16 @@
 Bounding boxes of characters are swept along x; where two overlap, boxes of their links are
 compared. Pairs come out in the order of the cast, whatever the order along x.
 
-Source: Ericson 2005, 7.5 (sweep and prune).
+Two links of one character are measured again only when its nodes may have come as far as the gap
+that was between the links: most of them keep apart, whatever the character does.
+
+Source: Ericson 2005, 7.5 (sweep and prune); Verlet 1967 for lists of neighbours that hold until
+    something has moved as far as their margin.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +20,11 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
 from pipeline.simulation.characters.constraint_projection import is_gripped
 from pipeline.simulation.characters.contact_response import link_overlaps
+from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.solid_arrays import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.vectors import length, minus, plus, times, triple
+from pipeline.simulation.spatial import Array
 
 MARGIN = 0.005  # gap that is still a pair: motion within the sub-step [m]
 PAIRS_PER_CHARACTER, PAIRS_PER_LINK, SPARE_PAIRS = 20, 12, 64  # capacity of the buffers
@@ -29,12 +37,19 @@ class Workspace(NamedTuple):
         order: (C,) characters in the order of their bounding boxes along x.
         near: (n, 2) characters with overlapping boxes.
         pairs: (m, 4) two links that may touch, and their owners.
+        measured: (N, 3) places of the nodes when the travel of their character was last measured
+            [m].
+        travel: (C,) how much nearer, at most, links of one character have come in all [m].
+        due: (S,) travel from which the links of an own pair may touch [m].
         solids: of other rooms.
     """
 
     order: IntArray
     near: IntArray
     pairs: IntArray
+    measured: Array
+    travel: Array
+    due: Array
     solids: Solids
 
 
@@ -45,6 +60,9 @@ def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Work
         np.arange(count),
         np.zeros((PAIRS_PER_CHARACTER * count, 2), dtype=np.int64),
         np.zeros((SPARE_PAIRS + PAIRS_PER_LINK * links, 4), dtype=np.int64),
+        np.zeros((len(arrays.nodes), 3)),
+        np.zeros(count),
+        np.zeros(len(arrays.pairs)),
         no_solids() if solids is None else solids,
     )
 
@@ -90,10 +108,96 @@ def find_near_characters(owners: Records, order: IntArray, near: IntArray) -> in
 
 
 @inlined
-def find_link_pairs(
-    nodes: Records, links: Records, owners: Records, own: IntArray, near: IntArray, pairs: IntArray
+def measure_travel(nodes: Records, owners: Records, measured: Array, travel: Array) -> None:
+    """Add what two links of each character may have come nearer since the last measurement.
+
+    It is twice the longest way of a node, along with the first node of the character.
+
+    Args:
+        nodes: of all characters.
+        owners: all characters.
+        measured: (N, 3) places of the nodes then [m]; changed.
+        travel: (C,) of the characters [m]; changed.
+    """
+    for c in range(len(owners)):
+        owner = owners[c]
+        if owner.asleep or owner.pairs[1] == 0:
+            continue
+        first, farthest = owner.nodes[0], 0.0
+        shift = minus(triple(nodes[first].p), triple(measured[first]))
+        for i in range(first, first + owner.nodes[1]):
+            p, squared = nodes[i].p, 0.0
+            for k in range(3):
+                way = p[k] - measured[i, k] - shift[k]
+                squared += way * way
+                measured[i, k] = p[k]
+            farthest = max(farthest, squared)
+        travel[c] += 2.0 * math.sqrt(farthest)
+
+
+@inlined
+def find_own_pairs(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    own: IntArray,
+    travel: Array,
+    due: Array,
+    pairs: IntArray,
 ) -> int:
-    """Find links that may touch, those of one character first; boxes are met as wholes.
+    """Find links of one character that may touch.
+
+    Args:
+        nodes: of all characters.
+        links: of all characters.
+        owners: all characters.
+        own: (S, 2) links of one character that may touch one another.
+        travel: (C,) how much nearer, at most, links of one character have come in all [m].
+        due: (S,) travel from which the links of a pair may touch [m]; changed.
+        pairs: buffer for the result.
+
+    Returns:
+        The number of pairs.
+    """
+    found = 0
+    for c in range(len(owners)):
+        owner = owners[c]
+        if owner.asleep or owner.is_guided:
+            continue
+        for n in range(owner.pairs[0], owner.pairs[0] + owner.pairs[1]):
+            if travel[c] < due[n]:
+                continue
+            one, other = links[own[n, 0]], links[own[n, 1]]
+            gap = _gap(nodes, one, other) - MARGIN
+            due[n] = travel[c] + max(gap, 0.0)
+            if gap <= 0.0 and not is_gripped(nodes, one, other) and found < len(pairs):
+                for k in range(2):
+                    pairs[found, k], pairs[found, 2 + k] = own[n, k], c
+                found += 1
+    return found
+
+
+@inlined
+def _gap(nodes: Records, one: Record, other: Record) -> float:
+    """Return the gap between two links, negative where they overlap [m]."""
+    p, q = triple(nodes[one.ends[0]].p), triple(nodes[other.ends[0]].p)
+    u = minus(triple(nodes[one.ends[1]].p), p)
+    v = minus(triple(nodes[other.ends[1]].p), q)
+    s, t = closest_points(p, u, q, v)
+    offset = minus(plus(p, times(s, u)), plus(q, times(t, v)))
+    return length(offset) - one.radius - other.radius
+
+
+@inlined
+def find_link_pairs(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    near: IntArray,
+    pairs: IntArray,
+    found: int,
+) -> int:
+    """Find links of two characters that may touch; boxes are met as wholes.
 
     Arms in an embrace pass through the arms of the embraced character, for two pairs of them have
     no room around two chests; and a gripped link does not push the hand off.
@@ -102,19 +206,13 @@ def find_link_pairs(
         nodes: of all characters.
         links: of all characters.
         owners: all characters.
-        own: (S, 2) links of one character that may touch one another.
         near: (n, 2) characters with overlapping boxes.
-        pairs: buffer for the result.
+        pairs: buffer for the result, which follows the pairs of one character.
+        found: number of those.
 
     Returns:
-        The number of pairs.
+        The number of all pairs.
     """
-    found = 0
-    for n in range(len(own)):
-        a, b = own[n, 0], own[n, 1]
-        owner = owners[links[a].owner]
-        if not owner.asleep and not owner.is_guided:
-            found = _keep_pair(nodes, links, (a, b), pairs, found)
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
         if (one.asleep and other.asleep) or (one.edge_radius > 0.0) != (other.edge_radius > 0.0):

@@ -78,11 +78,12 @@ class ContactReporter:
 
     Attributes:
         solids: of other rooms, numbered from `SOLID` downward.
+        surface: material of the terrain.
     """
 
     def __init__(self, cast: Sequence[Character], arrays: CharacterArrays, surface: str) -> None:
         self.solids: Sequence[Obstacle] = ()
-        self._cast, self._surface = cast, surface
+        self._cast, self.surface = cast, surface
         self._links, self._owners = arrays.links, arrays.owners
 
     def contacts(self, log: TouchLog, step: int) -> tuple[Contact, ...]:
@@ -134,10 +135,8 @@ class ContactReporter:
             kind="hit",
         )
 
-    def ground_below(self, person: Record, k: int) -> tuple[str, str]:
-        """Return the name and the material of what a foot stands on: the terrain or a deck."""
-        if person.stance_on_deck[k] == 0:
-            return "terrain", self._surface
+    def deck_below(self, person: Record) -> tuple[str, str]:
+        """Return the name and the material of the deck that a person stands on."""
         if person.deck >= 0:
             return self._cast[int(person.deck)].name, DECK_MATERIAL
         solid = self.solids[SOLID - int(person.deck)]
@@ -148,7 +147,7 @@ class ContactReporter:
 
     def _touched_thing(self, other: int) -> tuple[str, str]:
         if other == TERRAIN:
-            return "terrain", self._surface
+            return "terrain", self.surface
         if other <= SOLID:
             solid = self.solids[SOLID - other]
             return solid.name, solid.material

@@ -13,6 +13,8 @@ from pipeline.simulation.characters.broad_phase import (
     Workspace,
     find_link_pairs,
     find_near_characters,
+    find_own_pairs,
+    measure_travel,
     update_bounds,
 )
 from pipeline.simulation.characters.constraint_projection import (
@@ -177,8 +179,10 @@ def _sub_step(
     wake_near(nodes, owners, near)
     solid_count = find_solids(nodes, owners, workspace.solids, h)
     _activate_awake(owners)
-    pair_count = find_link_pairs(nodes, links, owners, own_pairs, near, workspace.pairs)
-    pairs = workspace.pairs[:pair_count]
+    travel, pairs = workspace.travel, workspace.pairs
+    measure_travel(nodes, owners, workspace.measured, travel)
+    found = find_own_pairs(nodes, links, owners, own_pairs, travel, workspace.due, pairs)
+    pairs = pairs[: find_link_pairs(nodes, links, owners, near, pairs, found)]
     for n in range(ROUNDS + EXTRA_ROUNDS):
         if n > 0 and not _activate(owners, n >= ROUNDS) and solid_count == 0:
             break

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, IntArray
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.deck_choice import deck_height
 from pipeline.simulation.characters.held_bar import find_held_place, push_node
@@ -34,6 +34,8 @@ HANDS: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0,
 
 JOINED_GRIP = 2
 """The grip of both hands on one another, behind that of each."""
+
+NOTHING_GRIPPED = [NOBODY] * (JOINED_GRIP + 1)
 
 EMBRACE_RANGE = 2.0  # distance at which an embrace has ended, in arm lengths
 BODY_RADIUS = 0.17  # of a person on the ground, in heights
@@ -256,8 +258,12 @@ class PersonController:
     @property
     def is_gripping(self) -> bool:
         """Whether a hand grips a node, or the other hand."""
-        grips, first = self.view.arrays.grips, self._first_grip
-        return bool(max(grips[first, 1], grips[first + 1, 1], grips[first + JOINED_GRIP, 1]) >= 0)
+        return self._gripped.tolist() != NOTHING_GRIPPED
+
+    @cached_property
+    def _gripped(self) -> IntArray:
+        """(3,) the nodes that its grips hold, NOBODY for none."""
+        return self.view.arrays.grips[self._first_grip : self._first_grip + JOINED_GRIP + 1, 1]
 
     @cached_property
     def _first_grip(self) -> int:
@@ -265,7 +271,7 @@ class PersonController:
 
     def held_node(self, k: int) -> int:
         """Return the node that a hand grips, -1 for none."""
-        return int(self.view.arrays.grips[self._first_grip + k, 1])
+        return self._gripped.item(k)
 
     def held_place(self, k: int) -> Array:
         """Return (3,) the place on a node or a bar at which a grip holds it [m]."""

@@ -23,7 +23,7 @@ from pipeline.simulation.characters.contact_response import link_overlaps
 from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.solid_arrays import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
-from pipeline.simulation.dynamics.vectors import length, minus, plus, times, triple
+from pipeline.simulation.dynamics.vectors import dot, length, minus, plus, set_triple, times, triple
 from pipeline.simulation.spatial import Array
 
 MARGIN = 0.005  # gap that is still a pair: motion within the sub-step [m]
@@ -37,8 +37,7 @@ class Workspace(NamedTuple):
         order: (C,) characters in the order of their bounding boxes along x.
         near: (n, 2) characters with overlapping boxes.
         pairs: (m, 4) two links that may touch, and their owners.
-        measured: (N, 3) places of the nodes when the travel of their character was last measured
-            [m].
+        measured: (N, 3) places of the nodes when bounds were last updated [m].
         travel: (C,) how much nearer, at most, links of one character have come in all [m].
         due: (S,) travel from which the links of an own pair may touch [m].
         solids: of other rooms.
@@ -68,18 +67,32 @@ def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Work
 
 
 @inlined
-def update_bounds(nodes: Records, owners: Records) -> None:
-    """Update the bounding boxes of characters."""
+def update_bounds(nodes: Records, owners: Records, measured: Array, travel: Array) -> None:
+    """Update the bounding boxes of characters, and what two of their links may have come nearer.
+
+    That is at most twice the longest way of a node, along with the first node of the character.
+
+    Args:
+        nodes: of all characters.
+        owners: all characters; changed.
+        measured: (N, 3) places of the nodes at the update before [m]; changed.
+        travel: (C,) of the characters [m]; changed.
+    """
     for c in range(len(owners)):
         owner = owners[c]
-        first = owner.nodes[0]
-        for k in range(3):
-            owner.low[k], owner.high[k] = np.inf, -np.inf
+        first, farthest = owner.nodes[0], 0.0
+        low = high = triple(nodes[first].p)
+        shift = minus(low, triple(measured[first]))
         for i in range(first, first + owner.nodes[1]):
-            node = nodes[i]
-            for k in range(3):
-                owner.low[k] = min(owner.low[k], node.p[k] - node.radius)
-                owner.high[k] = max(owner.high[k], node.p[k] + node.radius)
+            p, r = triple(nodes[i].p), nodes[i].radius
+            low = min(low[0], p[0] - r), min(low[1], p[1] - r), min(low[2], p[2] - r)
+            high = max(high[0], p[0] + r), max(high[1], p[1] + r), max(high[2], p[2] + r)
+            way = minus(minus(p, triple(measured[i])), shift)
+            farthest = max(farthest, dot(way, way))
+            set_triple(measured[i], p)
+        set_triple(owner.low, low)
+        set_triple(owner.high, high)
+        travel[c] += 2.0 * math.sqrt(farthest)
 
 
 @inlined
@@ -105,34 +118,6 @@ def find_near_characters(owners: Records, order: IntArray, near: IntArray) -> in
                 found += 1
     _sort_pairs(near, found)
     return found
-
-
-@inlined
-def measure_travel(nodes: Records, owners: Records, measured: Array, travel: Array) -> None:
-    """Add what two links of each character may have come nearer since the last measurement.
-
-    It is twice the longest way of a node, along with the first node of the character.
-
-    Args:
-        nodes: of all characters.
-        owners: all characters.
-        measured: (N, 3) places of the nodes then [m]; changed.
-        travel: (C,) of the characters [m]; changed.
-    """
-    for c in range(len(owners)):
-        owner = owners[c]
-        if owner.asleep or owner.pairs[1] == 0:
-            continue
-        first, farthest = owner.nodes[0], 0.0
-        shift = minus(triple(nodes[first].p), triple(measured[first]))
-        for i in range(first, first + owner.nodes[1]):
-            p, squared = nodes[i].p, 0.0
-            for k in range(3):
-                way = p[k] - measured[i, k] - shift[k]
-                squared += way * way
-                measured[i, k] = p[k]
-            farthest = max(farthest, squared)
-        travel[c] += 2.0 * math.sqrt(farthest)
 
 
 @inlined

@@ -14,7 +14,6 @@ from pipeline.simulation.characters.broad_phase import (
     find_link_pairs,
     find_near_characters,
     find_own_pairs,
-    measure_travel,
     update_bounds,
 )
 from pipeline.simulation.characters.constraint_projection import (
@@ -174,13 +173,12 @@ def _sub_step(
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
     begin_recovery(limbs, h)
-    update_bounds(nodes, owners)
+    update_bounds(nodes, owners, workspace.measured, workspace.travel)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)
     solid_count = find_solids(nodes, owners, workspace.solids, h)
     _activate_awake(owners)
     travel, pairs = workspace.travel, workspace.pairs
-    measure_travel(nodes, owners, workspace.measured, travel)
     found = find_own_pairs(nodes, links, owners, own_pairs, travel, workspace.due, pairs)
     pairs = pairs[: find_link_pairs(nodes, links, owners, near, pairs, found)]
     for n in range(ROUNDS + EXTRA_ROUNDS):

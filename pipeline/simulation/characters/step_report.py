@@ -201,11 +201,15 @@ class SignalDetector:
         Args:
             voices: of people with a mind.
         """
+        hugs, services = self._dispatcher.busy(Hug), self._dispatcher.busy(QueueUp)
+        is_quiet = not (voices or hugs or services or self._hugged or self._served)
+        if is_quiet and self._pain.largest <= CRY.pain:
+            return ()
         found = list(self._pains()) if self._pain.largest > CRY.pain else []
         found += [self._voiced(voice) for voice in voices]
-        if self._hugged or self._dispatcher.busy(Hug):
+        if self._hugged or hugs:
             found += self._hugs()
-        if self._served or self._dispatcher.busy(QueueUp):
+        if self._served or services:
             found += self._services()
         return tuple(found)
 

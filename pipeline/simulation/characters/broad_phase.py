@@ -3,8 +3,8 @@
 Bounding boxes of characters are swept along x; where two overlap, boxes of their links are
 compared. Pairs come out in the order of the cast, whatever the order along x.
 
-Two links of one character are measured again only when its nodes may have come as far as the gap
-that was between the links: most of them keep apart, whatever the character does.
+Two links of one character are measured again only when its nodes have moved so far, against one
+another, that the links may have come near or apart: most keep apart, whatever the character does.
 
 Source: Ericson 2005, 7.5 (sweep and prune); Verlet 1967 for lists of neighbours that hold until
     something has moved as far as their margin.
@@ -16,6 +16,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
 from pipeline.simulation.characters.constraint_projection import is_gripped
@@ -39,7 +40,8 @@ class Workspace(NamedTuple):
         pairs: (m, 4) two links that may touch, and their owners.
         measured: (N, 3) places of the nodes when bounds were last updated [m].
         travel: (C,) how much nearer, at most, links of one character have come in all [m].
-        due: (S,) travel from which the links of an own pair may touch [m].
+        due: (S,) travel from which the links of an own pair are measured again [m].
+        is_near: (S,) whether they may touch.
         solids: of other rooms.
     """
 
@@ -49,6 +51,7 @@ class Workspace(NamedTuple):
     measured: Array
     travel: Array
     due: Array
+    is_near: NDArray[np.bool_]
     solids: Solids
 
 
@@ -62,6 +65,7 @@ def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Work
         np.zeros((len(arrays.nodes), 3)),
         np.zeros(count),
         np.zeros(len(arrays.pairs)),
+        np.zeros(len(arrays.pairs), dtype=np.bool_),
         no_solids() if solids is None else solids,
     )
 
@@ -128,6 +132,7 @@ def find_own_pairs(
     own: IntArray,
     travel: Array,
     due: Array,
+    is_near: NDArray[np.bool_],
     pairs: IntArray,
 ) -> int:
     """Find links of one character that may touch.
@@ -138,7 +143,8 @@ def find_own_pairs(
         owners: all characters.
         own: (S, 2) links of one character that may touch one another.
         travel: (C,) how much nearer, at most, links of one character have come in all [m].
-        due: (S,) travel from which the links of a pair may touch [m]; changed.
+        due: (S,) travel from which the links of a pair are measured again [m]; changed.
+        is_near: (S,) whether they may touch; changed.
         pairs: buffer for the result.
 
     Returns:
@@ -150,12 +156,12 @@ def find_own_pairs(
         if owner.asleep or owner.is_guided:
             continue
         for n in range(owner.pairs[0], owner.pairs[0] + owner.pairs[1]):
-            if travel[c] < due[n]:
-                continue
-            one, other = links[own[n, 0]], links[own[n, 1]]
-            gap = _gap(nodes, one, other) - MARGIN
-            due[n] = travel[c] + max(gap, 0.0)
-            if gap <= 0.0 and not is_gripped(nodes, one, other) and found < len(pairs):
+            if travel[c] >= due[n]:
+                gap = _gap(nodes, links[own[n, 0]], links[own[n, 1]]) - MARGIN
+                due[n], is_near[n] = travel[c] + abs(gap), gap <= 0.0
+            if is_near[n] and found < len(pairs):
+                if is_gripped(nodes, links[own[n, 0]], links[own[n, 1]]):
+                    continue
                 for k in range(2):
                     pairs[found, k], pairs[found, 2 + k] = own[n, k], c
                 found += 1

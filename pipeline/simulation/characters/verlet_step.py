@@ -178,8 +178,8 @@ def _sub_step(
     wake_near(nodes, owners, near)
     solid_count = find_solids(nodes, owners, workspace.solids, h)
     _activate_awake(owners)
-    travel, pairs = workspace.travel, workspace.pairs
-    found = find_own_pairs(nodes, links, owners, own_pairs, travel, workspace.due, pairs)
+    pairs, known = workspace.pairs, (workspace.travel, workspace.due, workspace.is_near)
+    found = find_own_pairs(nodes, links, owners, own_pairs, *known, pairs)
     pairs = pairs[: find_link_pairs(nodes, links, owners, near, pairs, found)]
     for n in range(ROUNDS + EXTRA_ROUNDS):
         if n > 0 and not _activate(owners, n >= ROUNDS) and solid_count == 0:

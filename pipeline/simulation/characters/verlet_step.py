@@ -27,7 +27,7 @@ from pipeline.simulation.characters.contact_response import (
     PARTING_SPEED,
     SubStep,
     TouchLog,
-    age_touches,
+    begin_touches,
 )
 from pipeline.simulation.characters.limb_limits import begin_recovery
 from pipeline.simulation.characters.link_contacts import may_touch, separate_links
@@ -146,10 +146,7 @@ def advance(
     log.filled[0] = 0
     # They feel the blows of the step before.
     control_people(arrays, persons, grid, workspace.solids, h, dt)
-    for n in range(len(arrays.links)):
-        arrays.links[n].energy = arrays.links[n].blow
-        arrays.links[n].blow = 0.0
-    age_touches(arrays.links, dt)
+    begin_touches(arrays.links, dt)
     for n in range(count):
         drive_people(arrays, persons, grid, workspace.solids, h, n, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)

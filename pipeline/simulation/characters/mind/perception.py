@@ -226,9 +226,10 @@ def _see(
             for k in range(3):
                 known[c, k] = places[c, k]
                 arrays.velocities[n, c, k] = velocities[c, k]
-            arrays.seen[n, c] = mind.now
-        x, z = known[c, 0] - at_x, known[c, 2] - at_z
-        arrays.distances[n, c] = math.sqrt(x * x + z * z)
+            arrays.seen[n, c], arrays.distances[n, c] = mind.now, distance
+        else:
+            x, z = known[c, 0] - at_x, known[c, 2] - at_z
+            arrays.distances[n, c] = math.sqrt(x * x + z * z)
 
 
 @compiled

@@ -78,7 +78,7 @@ class PersonController:
     avoided: dict[str, float] = field(default_factory=dict)
     parting: dict[int, float] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def arm(self) -> float:
         """Length of an arm [m]."""
         return float(self.record.upper_arm + self.record.forearm)
@@ -99,16 +99,15 @@ class PersonController:
 
     def ground_distance(self, place: Array) -> float:
         """Return the horizontal distance to a place [m]."""
-        return math.hypot(place[0] - self.record.at[0], place[2] - self.record.at[1])
+        x, z = self.record.at.tolist()
+        return math.hypot(place[0] - x, place[2] - z)
 
     def direction_to(self, place: Array) -> Array:
         """Return the level unit vector (3,) to a place."""
-        record = self.record
-        offset = np.array([place[0] - record.at[0], 0.0, place[2] - record.at[1]])
-        size = math.hypot(offset[0], offset[2])
-        if size < 1e-9:
-            return np.array([math.cos(record.heading), 0.0, -math.sin(record.heading)])
-        return offset / size
+        at_x, at_z = self.record.at.tolist()
+        x, z = place[0] - at_x, place[2] - at_z
+        size = math.hypot(x, z)
+        return self.ahead if size < 1e-9 else np.array([x / size, 0.0, z / size])
 
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].

@@ -28,6 +28,7 @@ from pipeline.simulation.dynamics.vectors import dot, length, minus, plus, set_t
 from pipeline.simulation.spatial import Array
 
 MARGIN = 0.005  # gap that is still a pair: motion within the sub-step [m]
+OWN_MARGIN = 0.02  # the same between links of one character, which joints move faster [m]
 PAIRS_PER_CHARACTER, PAIRS_PER_LINK, SPARE_PAIRS = 20, 12, 64  # capacity of the buffers
 
 
@@ -157,7 +158,7 @@ def find_own_pairs(
             continue
         for n in range(owner.pairs[0], owner.pairs[0] + owner.pairs[1]):
             if travel[c] >= due[n]:
-                gap = _gap(nodes, links[own[n, 0]], links[own[n, 1]]) - MARGIN
+                gap = _gap(nodes, links[own[n, 0]], links[own[n, 1]]) - OWN_MARGIN
                 due[n], is_near[n] = travel[c] + abs(gap), gap <= 0.0
             if is_near[n] and found < len(pairs):
                 if is_gripped(nodes, links[own[n, 0]], links[own[n, 1]]):

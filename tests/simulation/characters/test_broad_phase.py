@@ -8,7 +8,7 @@ import pytest
 from pipeline.simulation.characters.body_arrays import CharacterArrays
 from pipeline.simulation.characters.body_plan import character_arrays
 from pipeline.simulation.characters.broad_phase import (
-    MARGIN,
+    OWN_MARGIN,
     Workspace,
     find_own_pairs,
     update_bounds,
@@ -47,7 +47,7 @@ def near_pairs(arrays: CharacterArrays) -> set[tuple[int, int]]:
     """Return all own pairs that are near."""
     overlaps = np.zeros(len(arrays.pairs))
     measure_overlaps(arrays, overlaps)
-    return {(a, b) for a, b in arrays.pairs[overlaps >= -MARGIN].tolist()}
+    return {(a, b) for a, b in arrays.pairs[overlaps >= -OWN_MARGIN].tolist()}
 
 
 @pytest.mark.parametrize("speed", [1e-4, 0.004, 0.05])

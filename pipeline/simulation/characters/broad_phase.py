@@ -28,7 +28,7 @@ from pipeline.simulation.dynamics.vectors import dot, length, minus, plus, set_t
 from pipeline.simulation.spatial import Array
 
 MARGIN = 0.005  # gap that is still a pair: motion within the sub-step [m]
-OWN_MARGIN = 0.02  # the same between links of one character, which joints move faster [m]
+OWN_MARGIN = 0.01  # the same between links of one character, which joints move faster [m]
 PAIRS_PER_CHARACTER, PAIRS_PER_LINK, SPARE_PAIRS = 20, 12, 64  # capacity of the buffers
 
 

@@ -15,7 +15,8 @@ def mark_act_things(controller: PersonController, task: Task | None) -> None:
     """
     if isinstance(task, StepAside):
         return
-    view, found = controller.view, list[int]()
+    view = controller.view
+    found: list[int] = []
     if task is not None:
         owner = getattr(task, "owner", NOBODY)
         found += [owner] if owner >= 0 else []

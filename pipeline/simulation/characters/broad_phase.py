@@ -3,22 +3,32 @@
 Bounding boxes of characters are swept along x; where two overlap, boxes of their links are
 compared. Pairs come out in the order of the cast, whatever the order along x.
 
-Source: Ericson 2005, 7.5 (sweep and prune).
+Two links of one character are measured again only when its nodes have moved so far, against one
+another, that the links may have come near or apart: most keep apart, whatever the character does.
+
+Source: Ericson 2005, 7.5 (sweep and prune); Verlet 1967 for lists of neighbours that hold until
+    something has moved as far as their margin.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
 from pipeline.simulation.characters.constraint_projection import is_gripped
 from pipeline.simulation.characters.contact_response import link_overlaps
+from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.solid_arrays import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.vectors import dot, length, minus, plus, set_triple, times, triple
+from pipeline.simulation.spatial import Array
 
 MARGIN = 0.005  # gap that is still a pair: motion within the sub-step [m]
+OWN_MARGIN = 0.01  # the same between links of one character, which joints move faster [m]
 PAIRS_PER_CHARACTER, PAIRS_PER_LINK, SPARE_PAIRS = 20, 12, 64  # capacity of the buffers
 
 
@@ -29,12 +39,20 @@ class Workspace(NamedTuple):
         order: (C,) characters in the order of their bounding boxes along x.
         near: (n, 2) characters with overlapping boxes.
         pairs: (m, 4) two links that may touch, and their owners.
+        measured: (N, 3) places of the nodes when bounds were last updated [m].
+        travel: (C,) how much nearer, at most, links of one character have come in all [m].
+        due: (S,) travel from which the links of an own pair are measured again [m].
+        is_near: (S,) whether they may touch.
         solids: of other rooms.
     """
 
     order: IntArray
     near: IntArray
     pairs: IntArray
+    measured: Array
+    travel: Array
+    due: Array
+    is_near: NDArray[np.bool_]
     solids: Solids
 
 
@@ -45,23 +63,41 @@ def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Work
         np.arange(count),
         np.zeros((PAIRS_PER_CHARACTER * count, 2), dtype=np.int64),
         np.zeros((SPARE_PAIRS + PAIRS_PER_LINK * links, 4), dtype=np.int64),
+        np.zeros((len(arrays.nodes), 3)),
+        np.zeros(count),
+        np.zeros(len(arrays.pairs)),
+        np.zeros(len(arrays.pairs), dtype=np.bool_),
         no_solids() if solids is None else solids,
     )
 
 
 @inlined
-def update_bounds(nodes: Records, owners: Records) -> None:
-    """Update the bounding boxes of characters."""
+def update_bounds(nodes: Records, owners: Records, measured: Array, travel: Array) -> None:
+    """Update the bounding boxes of characters, and what two of their links may have come nearer.
+
+    That is at most twice the longest way of a node, along with the first node of the character.
+
+    Args:
+        nodes: of all characters.
+        owners: all characters; changed.
+        measured: (N, 3) places of the nodes at the update before [m]; changed.
+        travel: (C,) of the characters [m]; changed.
+    """
     for c in range(len(owners)):
         owner = owners[c]
-        first = owner.nodes[0]
-        for k in range(3):
-            owner.low[k], owner.high[k] = np.inf, -np.inf
+        first, farthest = owner.nodes[0], 0.0
+        low = high = triple(nodes[first].p)
+        shift = minus(low, triple(measured[first]))
         for i in range(first, first + owner.nodes[1]):
-            node = nodes[i]
-            for k in range(3):
-                owner.low[k] = min(owner.low[k], node.p[k] - node.radius)
-                owner.high[k] = max(owner.high[k], node.p[k] + node.radius)
+            p, r = triple(nodes[i].p), nodes[i].radius
+            low = min(low[0], p[0] - r), min(low[1], p[1] - r), min(low[2], p[2] - r)
+            high = max(high[0], p[0] + r), max(high[1], p[1] + r), max(high[2], p[2] + r)
+            way = minus(minus(p, triple(measured[i])), shift)
+            farthest = max(farthest, dot(way, way))
+            set_triple(measured[i], p)
+        set_triple(owner.low, low)
+        set_triple(owner.high, high)
+        travel[c] += 2.0 * math.sqrt(farthest)
 
 
 @inlined
@@ -90,10 +126,70 @@ def find_near_characters(owners: Records, order: IntArray, near: IntArray) -> in
 
 
 @inlined
-def find_link_pairs(
-    nodes: Records, links: Records, owners: Records, own: IntArray, near: IntArray, pairs: IntArray
+def find_own_pairs(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    own: IntArray,
+    travel: Array,
+    due: Array,
+    is_near: NDArray[np.bool_],
+    pairs: IntArray,
 ) -> int:
-    """Find links that may touch, those of one character first; boxes are met as wholes.
+    """Find links of one character that may touch.
+
+    Args:
+        nodes: of all characters.
+        links: of all characters.
+        owners: all characters.
+        own: (S, 2) links of one character that may touch one another.
+        travel: (C,) how much nearer, at most, links of one character have come in all [m].
+        due: (S,) travel from which the links of a pair are measured again [m]; changed.
+        is_near: (S,) whether they may touch; changed.
+        pairs: buffer for the result.
+
+    Returns:
+        The number of pairs.
+    """
+    found = 0
+    for c in range(len(owners)):
+        owner = owners[c]
+        if owner.asleep or owner.is_guided:
+            continue
+        for n in range(owner.pairs[0], owner.pairs[0] + owner.pairs[1]):
+            if travel[c] >= due[n]:
+                gap = _gap(nodes, links[own[n, 0]], links[own[n, 1]]) - OWN_MARGIN
+                due[n], is_near[n] = travel[c] + abs(gap), gap <= 0.0
+            if is_near[n] and found < len(pairs):
+                if is_gripped(nodes, links[own[n, 0]], links[own[n, 1]]):
+                    continue
+                for k in range(2):
+                    pairs[found, k], pairs[found, 2 + k] = own[n, k], c
+                found += 1
+    return found
+
+
+@inlined
+def _gap(nodes: Records, one: Record, other: Record) -> float:
+    """Return the gap between two links, negative where they overlap [m]."""
+    p, q = triple(nodes[one.ends[0]].p), triple(nodes[other.ends[0]].p)
+    u = minus(triple(nodes[one.ends[1]].p), p)
+    v = minus(triple(nodes[other.ends[1]].p), q)
+    s, t = closest_points(p, u, q, v)
+    offset = minus(plus(p, times(s, u)), plus(q, times(t, v)))
+    return length(offset) - one.radius - other.radius
+
+
+@inlined
+def find_link_pairs(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    near: IntArray,
+    pairs: IntArray,
+    found: int,
+) -> int:
+    """Find links of two characters that may touch; boxes are met as wholes.
 
     Arms in an embrace pass through the arms of the embraced character, for two pairs of them have
     no room around two chests; and a gripped link does not push the hand off.
@@ -102,19 +198,13 @@ def find_link_pairs(
         nodes: of all characters.
         links: of all characters.
         owners: all characters.
-        own: (S, 2) links of one character that may touch one another.
         near: (n, 2) characters with overlapping boxes.
-        pairs: buffer for the result.
+        pairs: buffer for the result, which follows the pairs of one character.
+        found: number of those.
 
     Returns:
-        The number of pairs.
+        The number of all pairs.
     """
-    found = 0
-    for n in range(len(own)):
-        a, b = own[n, 0], own[n, 1]
-        owner = owners[links[a].owner]
-        if not owner.asleep and not owner.is_guided:
-            found = _keep_pair(nodes, links, (a, b), pairs, found)
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
         if (one.asleep and other.asleep) or (one.edge_radius > 0.0) != (other.edge_radius > 0.0):

@@ -37,7 +37,7 @@ from pipeline.simulation.characters.person_record import PLACED, REACHING, perso
 from pipeline.simulation.characters.pose_output import BallRotations, eye_aims, frame_poser
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.characters.step_report import ContactReporter, SignalDetector
-from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
+from pipeline.simulation.characters.task_dispatcher import NO_FACTS, TaskDispatcher
 from pipeline.simulation.characters.verlet_step import advance
 from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records, bound
@@ -256,12 +256,16 @@ class Characters(Troupe):
         if self.dances.guides:
             contacts += dance_contacts(self.dispatcher, self.cast, self.world.clothes, step)
         voices = self.minds.voices if self.minds is not None else ()
-        done = self.dispatcher.facts()
+        done, signals = self.dispatcher.facts(), self.signals.signals(voices)
+        touched = self.contact_reporter.touched(self.log)
+        if done is NO_FACTS and not (contacts or signals or touched):
+            self._facts = NO_FACTS
+            return
         self._facts = Facts(
             contacts=contacts,
             arrived=done.arrived,
-            touched=self.contact_reporter.touched(self.log) + done.touched,
-            signals=self.signals.signals(voices),
+            touched=touched + done.touched,
+            signals=signals,
             outcomes=done.outcomes,
             grips=done.grips,
         )

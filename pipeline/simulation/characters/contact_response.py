@@ -170,10 +170,11 @@ def sense_touch(link: Record, other: int, other_owner: int, energy: float) -> No
 
 
 @inlined
-def age_touches(links: Records, dt: float) -> None:
-    """Advance the ages of touches by a step [s], and forget those that have ended."""
+def begin_touches(links: Records, dt: float) -> None:
+    """Let links feel the blows of the step before, age touches by a step [s], forget ended ones."""
     for n in range(len(links)):
         link = links[n]
+        link.energy, link.blow = link.blow, 0.0
         link.age[0] += dt
         link.age[1] += dt
         for k in range(RECENT_TOUCHES):

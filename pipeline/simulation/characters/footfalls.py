@@ -22,6 +22,16 @@ LEG_MASS = SEGMENT_MASSES["thigh"] + SEGMENT_MASSES["shin"] + SEGMENT_MASSES["fo
 SHOES = "leather"
 """Sound material of steps."""
 
+TOUCHDOWN = (
+    *("person", "foot", "x", "y", "z", "ankle", "leg"),
+    *("time", "speed", "is_on_deck"),
+)
+"""Columns of a table of touchdowns: number of the person and of the foot; place of the ankle,
+height of the ankle above the sole and length of the leg [m]; time since the last report [s], speed
+[m/s], and 1 for a foot on a deck."""
+
+Normal = tuple[float, float, float]
+
 
 class FootfallReporter:
     """The footfalls of all acting people of a troupe.
@@ -46,66 +56,78 @@ class FootfallReporter:
     ) -> None:
         self._persons, self._controllers, self._masses = persons, controllers, masses
         self._ground, self._clock, self._reporter = ground, clock, reporter
-        self._touchdowns = persons["touchdowns"]
+        self._found: Array = np.zeros((2 * len(persons), len(TOUCHDOWN)))
+        self._parts = [[f"{one.name}.foot_{side}" for side in "lr"] for one in controllers]
         # Of level ground, which has one normal.
-        self._normal: list[float] | None = None
+        self._normal: Normal | None = None
         if np.ptp(ground.field.heights) == 0.0:
-            self._normal = ground.field.normal(np.zeros(1), np.zeros(1))[0].tolist()
+            self._normal = normal_at(ground, 0.0, 0.0)
 
     @cached_property
-    def _has_touchdowns(self) -> Callable[[], bool]:
-        return bound(_has_touchdowns, self._persons)
+    def _take_touchdowns(self) -> Callable[[], int]:
+        return bound(take_touchdowns, self._persons, self._found)
 
     def contacts(self, step: int) -> tuple[Contact, ...]:
         """Return the footfalls since the last report as contacts of a step, and start a new one."""
-        if not self._has_touchdowns():
+        count = self._take_touchdowns()
+        if not count:
             return ()
-        people, feet = np.nonzero(self._touchdowns)
-        normals = self._normals(self._persons["stance_place"][people, feet])
-        self._touchdowns[:] = 0
-        return tuple(
-            self._footfall(n, k, normal, step)
-            for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True)
-        )
+        return tuple(self._footfall(row, step) for row in self._found[:count].tolist())
 
-    def _normals(self, places: Array) -> Sequence[Sequence[float]]:
-        """Return the normals of the ground at places (n, 3) [m]."""
-        if self._normal is not None:
-            return [self._normal] * len(places)
-        normals: list[list[float]] = self._ground.field.normal(places[:, 0], places[:, 2]).tolist()
-        return normals
-
-    def _footfall(self, n: int, k: int, normal: Sequence[float], step: int) -> Contact:
-        """Return the contact of a foot of a person on ground with a normal."""
-        controller, person = self._controllers[n], self._controllers[n].record
-        if person.stance_on_deck[k] == 1:
-            normal = person.deck_axes[:, 1].tolist()
-        other, surface = self._reporter.ground_below(person, k)
-        x, y, z = person.stance_place[k].tolist()
-        speed = float(person.touchdown_speed[k])
-        fraction = float(person.touchdown_time[k]) / self._clock.dt
+    def _footfall(self, row: Sequence[float], step: int) -> Contact:
+        """Return the contact of a touchdown, a row of `TOUCHDOWN`."""
+        n, k, x, y, z, ankle, leg, time, speed, is_on_deck = row
+        n, k, other, surface = int(n), int(k), "terrain", self._reporter.surface
+        normal = self._normal
+        if is_on_deck:
+            person = self._controllers[n].record
+            up_x, up_y, up_z = person.deck_axes[:, 1].tolist()
+            normal = up_x, up_y, up_z
+            other, surface = self._reporter.deck_below(person)
         return Contact(
             step=step,
-            fraction=min(max(fraction, 0.0), LATEST),
-            performer=controller.name,
-            part=f"{controller.name}.foot_{'lr'[k]}",
+            fraction=min(max(time / self._clock.dt, 0.0), LATEST),
+            performer=self._controllers[n].name,
+            part=self._parts[n][k],
             other=other,
-            place=(x, y - float(person.ankle), z),
-            normal=(normal[0], normal[1], normal[2]),
+            place=(x, y - ankle, z),
+            normal=normal_at(self._ground, x, z) if normal is None else normal,
             speed=speed,
             energy=0.5 * self._masses[n] * LEG_MASS * speed * speed,
             material=SHOES,
             surface=surface,
-            size=float(person.thigh + person.shin),
+            size=leg,
             kind="touch",
         )
 
 
+def normal_at(ground: Ground, x: float, z: float) -> Normal:
+    """Return the normal of the ground at x and z [m]."""
+    n_x, n_y, n_z = ground.field.normal(np.array([x]), np.array([z]))[0].tolist()
+    return n_x, n_y, n_z
+
+
 @entry
-def _has_touchdowns(persons: Records) -> bool:
-    """Tell whether feet have touched down since the last report, and start a new one."""
-    found = False
-    for k in range(len(persons)):
-        persons[k].report_time = 0.0
-        found |= persons[k].touchdowns[0] != 0 or persons[k].touchdowns[1] != 0
-    return found
+def take_touchdowns(persons: Records, found: Array) -> int:
+    """Write the touchdowns of feet since the last report, start a new one, and return how many.
+
+    Args:
+        persons: `PERSON` records; changed.
+        found: (2 P, 10) rows of `TOUCHDOWN`; changed.
+    """
+    count = 0
+    for n in range(len(persons)):
+        person = persons[n]
+        person.report_time = 0.0
+        for k in range(2):
+            if person.touchdowns[k] == 0:
+                continue
+            person.touchdowns[k] = 0
+            row, place = found[count], person.stance_place[k]
+            row[0], row[1] = n, k
+            row[2], row[3], row[4] = place[0], place[1], place[2]
+            row[5], row[6] = person.ankle, person.thigh + person.shin
+            row[7], row[8] = person.touchdown_time[k], person.touchdown_speed[k]
+            row[9] = person.stance_on_deck[k]
+            count += 1
+    return count

@@ -76,6 +76,8 @@ def smoothstep(x: float) -> float:
 @compiled
 def run_blend(speed: float, leg: float) -> float:
     """Return the blend from walking to running, 0 to 1."""
+    if speed * speed < RUN_FROUDE * RUN_FROUDE * GRAVITY * leg:
+        return 0.0
     return smoothstep((froude(speed, leg) - RUN_FROUDE) / RUN_BLEND)
 
 

@@ -27,13 +27,15 @@ def share_slots(people: TaskDispatcher) -> None:
         for k, task in people.busy(Task)
         if task.wants_slot and not task.failure and (controller := people.controllers[k])
     ]
+    if not waiting:
+        return
     for _, _, task, controller in sorted(waiting, key=lambda claim: claim[:2]):
         task.take_slot(controller)
 
 
 def form_crews(people: TaskDispatcher) -> None:
     """Let two who are told to carry the same thing to the same place do that together."""
-    loads = dict[tuple[str, str], list[int]]()
+    loads: dict[tuple[str, str], list[int]] = {}
     for k, task in people.busy(CarryTo):
         if people.is_ordered(k) and not task.is_down:
             if not people.controllers[k].hands_holding(task.thing):
@@ -62,7 +64,7 @@ def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[i
         asked: time for which each has asked in vain [s]; changed.
         dt: the step [s].
     """
-    givings = dict[int, HandOver]()
+    givings: dict[int, HandOver] = {}
     for k, task in people.busy(Task):
         taker = people.controllers[k]
         if not people.is_ordered(k) or not (thing := task.asks_for(taker)):
@@ -95,6 +97,8 @@ def stand_to_give(people: TaskDispatcher, givings: Mapping[int, HandOver]) -> se
 
     They leave off what they do of their own will, but for sitting and for a hug.
     """
+    if not givings:
+        return set()
     keeps = Hug, LoosenHug, SitDown
     giving = {
         k

@@ -14,7 +14,6 @@ import math
 
 from pipeline.simulation.characters.gait_timing import (
     froude,
-    gait_pace,
     ground_speed,
     leg_length,
     leg_phase,
@@ -138,7 +137,7 @@ def _swing_place(person: Record, k: int) -> Vector:
     """Return the place of a hand that swings against the legs, in the frame of the chest [m]."""
     leg, speed = leg_length(person), ground_speed(person)
     running = run_blend(speed, leg)
-    _, stance = gait_pace(person)
+    stance = person.duty
     # A hand is ahead when the foot of the other side comes down.
     swing = phase_cosine(person, 1.0 - stance + (0.5 if k == 0 else 0.0))
     amount = person.walk_blend * min(froude(speed, leg) / 0.47, 1.0)
@@ -276,7 +275,7 @@ def hold_legs(person: Record) -> None:
 @compiled
 def _swing_fraction(person: Record, k: int) -> float:
     """Return the fraction of the time of its swing at which a foot is, beyond 1 in stance."""
-    _, stance = gait_pace(person)
+    stance = person.duty
     fraction: float = leg_phase(person, k) / (1.0 - stance)
     return fraction
 

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, IntArray
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.deck_choice import deck_height
 from pipeline.simulation.characters.held_bar import find_held_place, push_node
@@ -34,6 +34,8 @@ HANDS: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0,
 
 JOINED_GRIP = 2
 """The grip of both hands on one another, behind that of each."""
+
+NOTHING_GRIPPED = [NOBODY] * (JOINED_GRIP + 1)
 
 EMBRACE_RANGE = 2.0  # distance at which an embrace has ended, in arm lengths
 BODY_RADIUS = 0.17  # of a person on the ground, in heights
@@ -76,7 +78,7 @@ class PersonController:
     avoided: dict[str, float] = field(default_factory=dict)
     parting: dict[int, float] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def arm(self) -> float:
         """Length of an arm [m]."""
         return float(self.record.upper_arm + self.record.forearm)
@@ -97,16 +99,15 @@ class PersonController:
 
     def ground_distance(self, place: Array) -> float:
         """Return the horizontal distance to a place [m]."""
-        return math.hypot(place[0] - self.record.at[0], place[2] - self.record.at[1])
+        x, z = self.record.at.tolist()
+        return math.hypot(place[0] - x, place[2] - z)
 
     def direction_to(self, place: Array) -> Array:
         """Return the level unit vector (3,) to a place."""
-        record = self.record
-        offset = np.array([place[0] - record.at[0], 0.0, place[2] - record.at[1]])
-        size = math.hypot(offset[0], offset[2])
-        if size < 1e-9:
-            return np.array([math.cos(record.heading), 0.0, -math.sin(record.heading)])
-        return offset / size
+        at_x, at_z = self.record.at.tolist()
+        x, z = place[0] - at_x, place[2] - at_z
+        size = math.hypot(x, z)
+        return self.ahead if size < 1e-9 else np.array([x / size, 0.0, z / size])
 
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].
@@ -256,8 +257,12 @@ class PersonController:
     @property
     def is_gripping(self) -> bool:
         """Whether a hand grips a node, or the other hand."""
-        grips, first = self.view.arrays.grips, self._first_grip
-        return bool(max(grips[first, 1], grips[first + 1, 1], grips[first + JOINED_GRIP, 1]) >= 0)
+        return self._gripped.tolist() != NOTHING_GRIPPED
+
+    @cached_property
+    def _gripped(self) -> IntArray:
+        """(3,) the nodes that its grips hold, NOBODY for none."""
+        return self.view.arrays.grips[self._first_grip : self._first_grip + JOINED_GRIP + 1, 1]
 
     @cached_property
     def _first_grip(self) -> int:
@@ -265,7 +270,7 @@ class PersonController:
 
     def held_node(self, k: int) -> int:
         """Return the node that a hand grips, -1 for none."""
-        return int(self.view.arrays.grips[self._first_grip + k, 1])
+        return self._gripped.item(k)
 
     def held_place(self, k: int) -> Array:
         """Return (3,) the place on a node or a bar at which a grip holds it [m]."""

@@ -6,8 +6,9 @@ People and dolls have the frames of `people.body_frames`; a thing has one, which
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from pipeline.simulation.characters.body_plan import BodyPlan
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.playthings import axes_of, axis_nodes, thing_solids
-from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.compiled import Records, bound, entry
 from pipeline.simulation.dynamics.vectors import cross, dot
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.people.body_frames import (
@@ -121,7 +122,12 @@ class BallRotations:
 
     def advance(self, floor: Array) -> None:
         """Turn balls by the step since the last call, over a floor at heights (B,) [m]."""
-        _roll(self.R, self._turn, self._nodes, self._balls, self._before, floor)
+        self._roll(np.ascontiguousarray(floor))
+
+    @cached_property
+    def _roll(self) -> Callable[[Array], None]:
+        balls = self.R, self._turn, self._nodes, self._balls, self._before
+        return bound(_roll, *balls, examples=(np.zeros(1),))
 
 
 @entry

@@ -78,11 +78,12 @@ class ContactReporter:
 
     Attributes:
         solids: of other rooms, numbered from `SOLID` downward.
+        surface: material of the terrain.
     """
 
     def __init__(self, cast: Sequence[Character], arrays: CharacterArrays, surface: str) -> None:
         self.solids: Sequence[Obstacle] = ()
-        self._cast, self._surface = cast, surface
+        self._cast, self.surface = cast, surface
         self._links, self._owners = arrays.links, arrays.owners
 
     def contacts(self, log: TouchLog, step: int) -> tuple[Contact, ...]:
@@ -134,10 +135,8 @@ class ContactReporter:
             kind="hit",
         )
 
-    def ground_below(self, person: Record, k: int) -> tuple[str, str]:
-        """Return the name and the material of what a foot stands on: the terrain or a deck."""
-        if person.stance_on_deck[k] == 0:
-            return "terrain", self._surface
+    def deck_below(self, person: Record) -> tuple[str, str]:
+        """Return the name and the material of the deck that a person stands on."""
         if person.deck >= 0:
             return self._cast[int(person.deck)].name, DECK_MATERIAL
         solid = self.solids[SOLID - int(person.deck)]
@@ -148,7 +147,7 @@ class ContactReporter:
 
     def _touched_thing(self, other: int) -> tuple[str, str]:
         if other == TERRAIN:
-            return "terrain", self._surface
+            return "terrain", self.surface
         if other <= SOLID:
             solid = self.solids[SOLID - other]
             return solid.name, solid.material
@@ -202,11 +201,15 @@ class SignalDetector:
         Args:
             voices: of people with a mind.
         """
+        hugs, services = self._dispatcher.busy(Hug), self._dispatcher.busy(QueueUp)
+        is_quiet = not (voices or hugs or services or self._hugged or self._served)
+        if is_quiet and self._pain.largest <= CRY.pain:
+            return ()
         found = list(self._pains()) if self._pain.largest > CRY.pain else []
         found += [self._voiced(voice) for voice in voices]
-        if self._hugged or self._dispatcher.busy(Hug):
+        if self._hugged or hugs:
             found += self._hugs()
-        if self._served or self._dispatcher.busy(QueueUp):
+        if self._served or services:
             found += self._services()
         return tuple(found)
 

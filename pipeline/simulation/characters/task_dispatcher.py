@@ -340,9 +340,10 @@ class TaskDispatcher:
         self._outcomes.clear()
         for k in self._active.union(self._acting):
             controller = self.controllers[k]
-            controller.grip_changes.clear()
-            controller.touched.clear()
-            controller.kicked_bodies.clear()
+            if controller.grip_changes or controller.touched or controller.kicked_bodies:
+                controller.grip_changes.clear()
+                controller.touched.clear()
+                controller.kicked_bodies.clear()
 
     def _advance(self, k: int, controller: PersonController) -> None:
         """Advance the task of a person, and see to what becomes of it."""
@@ -400,7 +401,8 @@ class TaskDispatcher:
 
     def facts(self) -> Facts:
         """Return what people did in the last step: orders ended, touches of hands, and grips."""
-        changes, touched = list[GripChange](), list[tuple[str, str]]()
+        changes: list[GripChange] = []
+        touched: list[tuple[str, str]] = []
         for k in self._acting:
             one = self.controllers[k]
             if one.grip_changes:

@@ -136,7 +136,7 @@ def phase_cosine(person: Record, start: float) -> float:
 def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     """Set the targets of the trunk's nodes."""
     _follow_ground(person, dt)
-    _, stance = gait_pace(person)
+    stance = person.duty
     middle = 0.5 * (1.0 - stance)
     walking = person.walk_blend
     # While the left foot swings, from phase 0 on, weight is on the right one.
@@ -419,7 +419,7 @@ def stretch_chest(person: Record, links: Records, owners: Records) -> None:
 @compiled
 def chest_frame(person: Record) -> tuple[Vector, Frame]:
     """Return the target of the middle of the shoulders, and the frame of the chest."""
-    _, stance = gait_pace(person)
+    stance = person.duty
     yaw = person.heading + person.twist
     yaw += SHOULDER_ROTATION * person.walk_blend * phase_cosine(person, 1.0 - stance)
     return row(person.targets, SHOULDERS), trunk_frame(yaw, person.lean[0], person.lean[1], 0.0)

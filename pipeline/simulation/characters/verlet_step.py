@@ -13,6 +13,7 @@ from pipeline.simulation.characters.broad_phase import (
     Workspace,
     find_link_pairs,
     find_near_characters,
+    find_own_pairs,
     update_bounds,
 )
 from pipeline.simulation.characters.constraint_projection import (
@@ -26,7 +27,7 @@ from pipeline.simulation.characters.contact_response import (
     PARTING_SPEED,
     SubStep,
     TouchLog,
-    age_touches,
+    begin_touches,
 )
 from pipeline.simulation.characters.limb_limits import begin_recovery
 from pipeline.simulation.characters.link_contacts import may_touch, separate_links
@@ -145,10 +146,7 @@ def advance(
     log.filled[0] = 0
     # They feel the blows of the step before.
     control_people(arrays, persons, grid, workspace.solids, h, dt)
-    for n in range(len(arrays.links)):
-        arrays.links[n].energy = arrays.links[n].blow
-        arrays.links[n].blow = 0.0
-    age_touches(arrays.links, dt)
+    begin_touches(arrays.links, dt)
     for n in range(count):
         drive_people(arrays, persons, grid, workspace.solids, h, n, count)
         _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
@@ -172,13 +170,14 @@ def _sub_step(
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
     begin_recovery(limbs, h)
-    update_bounds(nodes, owners)
+    update_bounds(nodes, owners, workspace.measured, workspace.travel)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)
     solid_count = find_solids(nodes, owners, workspace.solids, h)
     _activate_awake(owners)
-    pair_count = find_link_pairs(nodes, links, owners, own_pairs, near, workspace.pairs)
-    pairs = workspace.pairs[:pair_count]
+    pairs, known = workspace.pairs, (workspace.travel, workspace.due, workspace.is_near)
+    found = find_own_pairs(nodes, links, owners, own_pairs, *known, pairs)
+    pairs = pairs[: find_link_pairs(nodes, links, owners, near, pairs, found)]
     for n in range(ROUNDS + EXTRA_ROUNDS):
         if n > 0 and not _activate(owners, n >= ROUNDS) and solid_count == 0:
             break

@@ -140,6 +140,9 @@ REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
 VAIN_DISTANCE = 0.3  # from where no way was found, within which none is searched again [m]
 
 
+NO_PLACES: Array = np.zeros((0, 2))
+
+
 @entry
 def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> NDArray[np.bool_]:
     """Return (m,) whether straight lines lead past all circles.
@@ -347,6 +350,10 @@ class Route:
     def go_straight(self, goal: Array) -> None:
         """Take the straight way to a goal (2,) [m]."""
         self.places, self.vain_from = goal[None], None
+
+    def leave(self) -> None:
+        """Forget the way, as long as the straight one is free."""
+        self.places, self.vain_from = NO_PLACES, None
 
     def _is_way_back(self, at: Array, middles: Array, reaches: Array, limits: Array) -> bool:
         """Tell whether one that was pushed off the way gets on it again without the next place."""

@@ -70,19 +70,21 @@ class PlayBall(ConfiguredBehaviour[Play]):
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        if not mind.is_on_terrain(mind.place(self.ball), EDGE_MARGIN):
+        ball, memory = self.ball, mind.memory
+        if not mind.is_on_terrain(memory.places[ball, ::2].tolist(), EDGE_MARGIN):
             return 0.0
-        liked = max(float(mind.attention.valence[self.ball]), 0.0)
-        seen = float(mind.memory.seen[self.ball])
+        liked = max(mind.attention.valence.item(ball), 0.0)
+        seen = memory.seen.item(ball)
         known = max(freshness(seen, mind.now), LOST_BALL_FRESHNESS)
         draw = PLAY_ACTIVATION + PLAY_CURIOSITY * mind.traits.curiosity
-        focus = 0.1 if mind.attention.focus == self.ball else 0.0
+        focus = 0.1 if mind.attention.focus == ball else 0.0
         return (draw + focus) * min(liked / 0.8, 1.0) * known + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        x, _, z = mind.memory.places[self.ball].tolist()
-        v_x, _, v_z = mind.memory.velocities[self.ball].tolist()
+        ball, memory = self.ball, mind.memory
+        x, _, z = memory.places[ball].tolist()
+        v_x, _, v_z = memory.velocities[ball].tolist()
         at_x, at_z = mind.at.tolist()
         x, z = x + BALL_PREDICTION * v_x, z + BALL_PREDICTION * v_z
         off_x, off_z = x - at_x, z - at_z
@@ -94,13 +96,13 @@ class PlayBall(ConfiguredBehaviour[Play]):
             pace = KICK_SPEED * mind.stroll if is_near else mind.pace
             lead = 0.8 if is_near else 0.0
             place = x + lead * aim_x, z + lead * aim_z
-            return steer(mind, place, pace=pace, target=self.ball, touching=True)
+            return steer(mind, place, pace=pace, target=ball, touching=True)
         x, z = x - BEHIND_BALL * aim_x, z - BEHIND_BALL * aim_z
         if distance < 1.2 and along < 0.0:
             # Around the ball, not over it.
             side = -1.0 if aim_x * off_z - aim_z * off_x > 0.0 else 1.0
             x, z = x - BEHIND_BALL * aim_z * side, z + BEHIND_BALL * aim_x * side
-        return steer(mind, (x, z), pace=mind.pace, target=self.ball, touching=True)
+        return steer(mind, (x, z), pace=mind.pace, target=ball, touching=True)
 
     def _aim(
         self, mind: Mind, x: float, z: float, ahead: tuple[float, float]

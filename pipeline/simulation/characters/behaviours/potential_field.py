@@ -20,14 +20,22 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.mind.sight import Sight
+from pipeline.simulation.characters.mind.sight import MOST_KNOWN, WALK, Sight
 from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
     SHRINK_FACTOR,
     are_free,
     straight_way,
 )
-from pipeline.simulation.dynamics.compiled import allocating, bound, compiled, entry
+from pipeline.simulation.dynamics.compiled import (
+    Record,
+    Records,
+    allocating,
+    bound,
+    compiled,
+    entry,
+)
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
@@ -94,74 +102,24 @@ def steer(
     left = max(math.hypot(x - at_x, z - at_z) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to((x, z)), target=target)
-    place = np.array([x, z])
-    detour, walker = mind.detour, _walker(mind, pace)
-    is_straight, walk = _straight_walker()(
-        mind.sight, target, walker, place, stop_distance, detour.keys, detour.senses
-    )
-    if is_straight:
-        detour.route.go_straight(place)
+    detour, walk = mind.detour, mind.walk
+    walk.target, walk.place_x, walk.place_z = target, x, z
+    walk.stop_distance, walk.pace = stop_distance, pace
+    walk.forced = detour.forced if mind.now < detour.forced_until else 0.0
+    if _straight_walker()(mind.sight, mind.at, mind.walks):
+        detour.route.leave()
     else:
-        obstacles = _obstacles(mind, target)
+        obstacles, goal = _obstacles(mind, target), np.array([x, z])
         first, length = detour.route.next(
-            mind.at, place, obstacles.middles, obstacles.reaches, mind.walking_bounds
+            mind.at, goal, obstacles.middles, obstacles.reaches, mind.walking_bounds
         )
-        left = max(length - stop_distance, 0.0)
-        walk = _walk(obstacles, walker, first, left, detour.keys, detour.senses)
-    detour.keys, detour.senses = walk.keys, walk.senses
+        _walk_to(obstacles, mind.at, mind.walks, first, max(length - stop_distance, 0.0))
     detour.update_progress(walk.left, mind.now)
-    if walk.speed < 1e-6:
-        return MotorCommand(facing=mind.heading_to(place), target=target)
-    return MotorCommand(
-        goal=(walk.goal_x, walk.goal_z),
-        pace=min(max(walk.speed, 0.35 * pace), pace),
-        target=target,
-        touching=touching,
-    )
-
-
-class _Walker(NamedTuple):
-    """A person that walks.
-
-    Attributes:
-        at: (2,) its place [m].
-        pace: of the walk [m/s].
-        body_radius: of the circle on the ground around it [m].
-        bounds: (2, 2) least and greatest x and z of places on the way [m].
-        forced: way round all obstacles, 0 where each has its own.
-    """
-
-    at: Array
-    pace: float
-    body_radius: float
-    bounds: Array
-    forced: float
-
-
-def _walker(mind: Mind, pace: float) -> _Walker:
-    detour = mind.detour
-    forced = detour.forced if mind.now < detour.forced_until else 0.0
-    return _Walker(mind.at, pace, mind.body_radius, mind.walking_bounds, forced)
-
-
-class _Walk(NamedTuple):
-    """What a walker does next.
-
-    Attributes:
-        speed: [m/s].
-        goal_x: where to walk to [m].
-        goal_z: likewise [m].
-        left: length of the way [m].
-        keys: (k,) numbers of near obstacles.
-        senses: (k,) way round each, 1 or -1.
-    """
-
-    speed: float
-    goal_x: float
-    goal_z: float
-    left: float
-    keys: IntArray
-    senses: Array
+    speed = walk.speed
+    if speed < 1e-6:
+        return MotorCommand(facing=mind.heading_to((x, z)), target=target)
+    goal_pace = min(max(speed, 0.35 * pace), pace)
+    return MotorCommand((walk.goal_x, walk.goal_z), goal_pace, target, touching)
 
 
 class _Obstacles(NamedTuple):
@@ -231,57 +189,63 @@ def is_way_free(mind: Mind, place: Array) -> bool:
 
 
 @entry
-def _walk_straight(
-    sight: Sight,
-    target: int,
-    walker: _Walker,
-    place: Array,
-    stop_distance: float,
-    keys: IntArray,
-    senses: Array,
-) -> tuple[bool, _Walk]:
-    """Tell whether the straight way to a place (2,) is free, and return the walk there."""
-    obstacles = _find_obstacles(sight, target, walker.at, walker.body_radius)
-    middles, reaches = obstacles.middles, obstacles.reaches
-    is_straight, _ = straight_way(walker.at, place, middles, reaches, CLEARANCES[0])
-    x, z = place[0] - walker.at[0], place[1] - walker.at[1]
-    left = max(math.sqrt(x * x + z * z) - stop_distance, 0.0)
-    return is_straight, _walk(obstacles, walker, place, left, keys, senses)
+def _walk_straight(sight: Sight, at: Array, walks: Records) -> bool:
+    """Tell whether the straight way to its goal is free for a walker, and write its walk there.
+
+    Args:
+        sight: what it knows of things in its way.
+        at: (2,) its place [m].
+        walks: (1,) its `WALK`; changed.
+    """
+    walk = walks[0]
+    obstacles = _find_obstacles(sight, walk.target, at, walk.body_radius)
+    place = np.array((walk.place_x, walk.place_z))
+    is_straight, _ = straight_way(at, place, obstacles.middles, obstacles.reaches, CLEARANCES[0])
+    if is_straight:
+        x, z = place[0] - at[0], place[1] - at[1]
+        left = max(math.sqrt(x * x + z * z) - walk.stop_distance, 0.0)
+        _write_walk(obstacles, at, walk, place, left)
+    return is_straight
 
 
 @cache
-def _straight_walker() -> Callable[..., tuple[bool, _Walk]]:
+def _straight_walker() -> Callable[[Sight, Array, Records], bool]:
     """Return `_walk_straight` for arguments of the types that it always has."""
     places, numbers, none = np.zeros((1, 2)), np.zeros(1, dtype=np.int64), np.zeros(1)
     is_obstacle = np.zeros(1, dtype=np.bool_)
     sight = Sight(np.zeros((1, 3)), none, none, is_obstacle, places, none, numbers, numbers)
-    walker = _Walker(none, 0.0, 0.0, places, 0.0)
-    return bound(_walk_straight, examples=(sight, 0, walker, none, 0.0, numbers, none))
+    return bound(_walk_straight, examples=(sight, none, zero_records(1, WALK)))
 
 
 @entry
-def _walk(
-    obstacles: _Obstacles,
-    walker: _Walker,
-    first: Array,
-    left: float,
-    known_keys: IntArray,
-    known_senses: Array,
-) -> _Walk:
-    """Return a walk that keeps off obstacles and stays on the terrain.
+def _walk_to(obstacles: _Obstacles, at: Array, walks: Records, first: Array, left: float) -> None:
+    """Write the walk of a walker whose next place is another than its goal.
 
     Args:
         obstacles: on the way.
-        walker: the person.
+        at: (2,) its place [m].
+        walks: (1,) its `WALK`; changed.
         first: (2,) the next place on the way [m].
         left: length of the way [m].
-        known_keys: (k,) numbers of the obstacles that it went round before.
-        known_senses: (k,) way round each.
     """
-    at, bounds, forced = walker.at, walker.bounds, walker.forced
+    _write_walk(obstacles, at, walks[0], first, left)
+
+
+@allocating
+def _write_walk(obstacles: _Obstacles, at: Array, walk: Record, first: Array, left: float) -> None:
+    """Write a walk that keeps off obstacles and stays on the terrain.
+
+    Args:
+        obstacles: on the way.
+        at: (2,) the place of the walker [m].
+        walk: `WALK` record; changed.
+        first: (2,) the next place on the way [m].
+        left: length of the way [m].
+    """
+    forced = walk.forced
     offset_x, offset_z = first[0] - at[0], first[1] - at[1]
     size = max(hypotenuse(offset_x, offset_z), 1e-9)
-    near = _near(obstacles, size, walker.body_radius)
+    near = _near(obstacles, size, walk.body_radius)
     away, gaps, senses = np.empty((len(near), 2)), np.empty(len(near)), np.empty(len(near))
     keys, kept, count = np.empty(len(near), np.int64), np.empty(len(near)), 0
     for n in range(len(near)):
@@ -290,9 +254,9 @@ def _walk(
         x, z = obstacles.middles[i, 0] - at[0], obstacles.middles[i, 1] - at[1]
         away[n, 0], away[n, 1] = -x / obstacles.distances[i], -z / obstacles.distances[i]
         sense = 0.0
-        for k in range(len(known_keys)):
-            if known_keys[k] == obstacles.keys[i]:
-                sense = known_senses[k]
+        for k in range(walk.known):
+            if walk.known_keys[k] == obstacles.keys[i]:
+                sense = walk.known_senses[k]
         if sense == 0.0 and forced == 0.0:
             # On the side on which the obstacle is not.
             sense = 1.0 if offset_x * z - offset_z * x >= 0.0 else -1.0
@@ -300,14 +264,17 @@ def _walk(
             keys[count], kept[count] = obstacles.keys[i], sense
             count += 1
         senses[n] = forced if forced != 0.0 else sense
+    walk.known = min(count, MOST_KNOWN)
+    for k in range(walk.known):
+        walk.known_keys[k], walk.known_senses[k] = keys[k], kept[k]
     scale = left / size
-    x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, walker.pace)
-    x = _inward(at[0], x, bounds[0, 0], bounds[1, 0])
-    z = _inward(at[1], z, bounds[0, 1], bounds[1, 1])
+    x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, walk.pace)
+    x = _inward(at[0], x, walk.low_x, walk.high_x)
+    z = _inward(at[1], z, walk.low_z, walk.high_z)
     speed = hypotenuse(x, z)
     reach, size = max(left, 0.35) if len(near) else left, max(speed, 1e-9)
-    goal_x, goal_z = at[0] + x * reach / size, at[1] + z * reach / size
-    return _Walk(speed, goal_x, goal_z, left, keys[:count], kept[:count])
+    walk.speed, walk.left = speed, left
+    walk.goal_x, walk.goal_z = at[0] + x * reach / size, at[1] + z * reach / size
 
 
 @compiled

@@ -1,26 +1,20 @@
-"""Detour state: progress of a walk, and the way round each obstacle."""
+"""Detour state: progress of a walk, and ways round what holds it up."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.visibility_route import Route
-from pipeline.simulation.spatial import Array
 
 STALL_TIME, DETOUR_TIME = 1.6, 3.5  # without progress before a detour, and of the detour [s]
 
 
 @dataclass
 class DetourState:
-    """Progress of a walk, and the way round each obstacle.
+    """Progress of a walk, and the way round all obstacles where it gets no farther.
 
     Attributes:
-        keys: (k,) numbers of the obstacles that it goes round.
-        senses: (k,) way round each, 1 or -1: the sign of the curl.
         nearest: least distance to the goal so far [m].
         progress_time: when it was reached [s].
         forced: way round all obstacles in a detour, 0 before the first.
@@ -28,8 +22,6 @@ class DetourState:
         route: of the walk.
     """
 
-    keys: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    senses: Array = field(default_factory=lambda: np.zeros(0))
     nearest: float = math.inf
     progress_time: float = 0.0
     forced: float = 0.0

@@ -29,12 +29,13 @@ from pipeline.simulation.characters.mind.perception import (
     Memory,
     Surroundings,
 )
-from pipeline.simulation.characters.mind.sight import Sight
+from pipeline.simulation.characters.mind.sight import WALK, Sight
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Traits
@@ -82,6 +83,8 @@ class Mind:
         attention: to the other characters.
         glances: of the eyes.
         detour: of the present walk.
+        walks: (1,) `WALK` of the present walk.
+        walk: a view of it.
         struck: time of the last blow [s], and the striker's number or -1.
         behaviours: by name, in the order of the registry.
         biases: by a script, added to activations by name.
@@ -123,6 +126,12 @@ class Mind:
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
+        self.walks = zero_records(1, WALK)
+        self.walk = record_view(self.walks, 0)
+        self.walk.body_radius = self.body_radius
+        (self.walk.low_x, self.walk.low_z), (self.walk.high_x, self.walk.high_z) = (
+            self.walking_bounds.tolist()
+        )
         self._sight: Sight | None = None
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.cried = self.gasped = -math.inf
@@ -336,6 +345,7 @@ class Mind:
         if self.doing:
             self.behaviours[self.doing].end(self)
         self.doing, self.command, self.detour = "", MotorCommand(), DetourState()
+        self.walk.known = 0
 
     def look(self) -> None:
         """Choose where to look until the next thought."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -226,9 +226,10 @@ def _see(
             for k in range(3):
                 known[c, k] = places[c, k]
                 arrays.velocities[n, c, k] = velocities[c, k]
-            arrays.seen[n, c] = mind.now
-        x, z = known[c, 0] - at_x, known[c, 2] - at_z
-        arrays.distances[n, c] = math.sqrt(x * x + z * z)
+            arrays.seen[n, c], arrays.distances[n, c] = mind.now, distance
+        else:
+            x, z = known[c, 0] - at_x, known[c, 2] - at_z
+            arrays.distances[n, c] = math.sqrt(x * x + z * z)
 
 
 @compiled
@@ -379,15 +380,12 @@ class Glances:
             focus: of attention, -1 for none.
             target: that is walked to, -1 for none.
         """
-        self._need += GLANCE_RATE * dt * priority
-        if self.at >= 0:
-            self._need[self.at] = 0.0
+        due, need = _needs_grower()(self._need, priority, GLANCE_RATE * dt, self.at)
         if self.glancing and now < self._glance_end:
             return
         if self.glancing:
             self.glancing, self._pause_end = False, now + MIN_GLANCE_PAUSE
-        due = int(self._need.argmax())
-        if self._need[due] > 1.0 and now >= self._pause_end and due not in (focus, target):
+        if need > 1.0 and now >= self._pause_end and due not in (focus, target):
             low, high = GLANCE_TIME
             self.at, self.glancing = due, True
             self._glance_end = now + low + (high - low) * float(self._rng.random())
@@ -396,3 +394,27 @@ class Glances:
         else:
             # Both in turn.
             self.at = target if now % (TARGET_TIME + FOCUS_TIME) < TARGET_TIME else focus
+
+
+@entry
+def grow_needs(needs: Array, priority: Array, gain: float, seen: int) -> tuple[int, float]:
+    """Let the needs to look at characters grow, and return the greatest with its number.
+
+    Args:
+        needs: (C,) to look at each; changed.
+        priority: (C,) of watching each.
+        gain: of a need at priority 1.
+        seen: number of the character looked at, whose need is met, or NOBODY.
+    """
+    for c in range(len(needs)):
+        needs[c] += gain * priority[c]
+    if seen >= 0:
+        needs[seen] = 0.0
+    due = int(needs.argmax())
+    return due, needs[due]
+
+
+@cache
+def _needs_grower() -> Callable[[Array, Array, float, int], tuple[int, float]]:
+    """Return `grow_needs` for arguments of the types that it always has."""
+    return bound(grow_needs, examples=(np.zeros(1), np.zeros(1), 0.0, 0))

@@ -108,11 +108,7 @@ class Renderer:
             self._denoiser.require()
         with device_memory_errors():
             scene = self.scene_for(shot)
-            layers, passes = self._trace(scene, shot, film)
-            with self.timings.timed("trace"):
-                softness = (
-                    scene.softness(shot.moments[-1].camera) if film.denoise != "off" else None
-                )
+            layers, passes, softness = self._trace(scene, shot, film)
         with self.timings.timed("denoise"):
             # The denoiser needs as much memory as Dr.Jit keeps of the buffers of a trace. To ask
             # the system for it again takes a thirtieth of the time of a preview.
@@ -144,8 +140,11 @@ class Renderer:
 
     def _trace(
         self, scene: MitsubaScene, shot: Shot, film: FullFilm
-    ) -> tuple[LightLayers, PassImages]:
-        """Return the mean of all moments of the exposure, and the passes."""
+    ) -> tuple[LightLayers, PassImages, Image | None]:
+        """Return the mean of all moments of the exposure, the passes, and how soft pixels are.
+
+        They are None where nothing is out of focus, or nothing is to be denoised.
+        """
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)
         airborne, exposure = scene.airborne_exposure(shot), scene.pass_exposure(shot)
@@ -167,11 +166,14 @@ class Renderer:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):
             layers = accumulator.layers()
-            if film.denoise != "off" and film.samples <= FEW_SAMPLES:
-                layers = without_specks(layers)
+            softness = None
+            if film.denoise != "off":
+                softness = scene.softness(shot.moments[-1].camera)
+                if film.samples <= FEW_SAMPLES:
+                    layers = without_specks(layers, softness)
             if airborne:
                 airborne.lay_over(layers)
-            return layers, exposure.images() if exposure else PassImages()
+            return layers, exposure.images() if exposure else PassImages(), softness
 
     def scene_for(self, shot: Shot) -> MitsubaScene:
         """Return the Mitsuba scene of a shot, updated in place where the build is the same."""

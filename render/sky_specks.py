@@ -22,6 +22,9 @@ AROUND = tuple((y, x) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0
 CONTRAST = 1.25
 """Ratio of the light of the air from which on a pixel differs from the one that it becomes as."""
 
+SHARP = 0.05
+"""How far a pixel may be out of focus."""
+
 MOST_ALIKE = 1
 """Neighbours of a speck that may be as bright, or as dark, as it."""
 
@@ -35,15 +38,23 @@ BRIGHTEST = 0.98
 Indices = NDArray[np.intp]
 
 
-def without_specks(layers: LightLayers) -> LightLayers:
+def without_specks(layers: LightLayers, softness: Image | None = None) -> LightLayers:
     """Return the layers of a frame without specks of sky among leaves and of leaves in the sky.
 
-    Only single pixels change, by a share of the mean of their neighbours of the other kind.
+    Only single pixels change, by a share of the mean of their neighbours of the other kind. What is
+    out of focus is noise, whose mean it would change.
+
+    Args:
+        layers: of the frame.
+        softness: (H, W, 1) how far each pixel is out of focus, 0 to 1; None for nowhere.
 
     Source: Davies 1997, conservative smoothing, with the second extremum in place of the first.
     """
     air = luminance(layers.air).astype(np.float32)
     y, x = _candidates(air)
+    if softness is not None:
+        is_sharp = softness[y, x, 0] < SHARP
+        y, x = y[is_sharp], x[is_sharp]
     if not len(y):
         return layers
     surface = layers.albedo.sum(axis=-1)

@@ -27,6 +27,17 @@ def test_single_pixels_of_sky_or_leaf_become_as_those_around() -> None:
         np.testing.assert_allclose(getattr(mended, name), getattr(clean, name), atol=1e-6)
 
 
+def test_what_is_out_of_focus_stays() -> None:
+    sky = np.zeros((16, 32))
+    sky[4, 5] = sky[4, 25] = 1.0
+    softness = np.zeros((16, 32, 1), np.float32)
+    softness[:, 16:] = 1.0
+    before = layers(sky)
+    after = without_specks(before, softness)
+    assert after.air[4, 5, 0] < 0.1
+    assert after.air[4, 25, 0] == before.air[4, 25, 0]
+
+
 def test_outlines_twigs_and_gaps_stay() -> None:
     sky = np.zeros((24, 32))
     sky[:, 16:] = 1.0

@@ -55,8 +55,8 @@ def test_config_and_torso_name_same_places_and_joints() -> None:
         ("{joints: {elbow_deg: 3}}", "", "joints.elbow_deg", "did you mean 'elbow_flexion_deg'"),
         ("{reach: [1.2, 1, 0]}", "", "subtasks[0].reach", "is 1.28 m from the shoulder"),
         ("{reach: [-0.25, 1.3, 0.1]}", "", "subtasks[0].reach", "cannot be reached: a joint limit"),
-        ("{hand: l, reach: [0.1, 1.3, 0.4]}", "", "subtasks[0].reach", "cannot be reached"),
-        ("{touch: chest, via: [[0.1, 1.3, -0.4]]}", "", "subtasks[0].via[0]", "cannot be reached"),
+        ("{hand: l, reach: [0.1, 1.3, 0.45]}", "", "subtasks[0].reach", "cannot be reached"),
+        ("{touch: chest, via: [[0.1, 1.3, -0.45]]}", "", "subtasks[0].via[0]", "cannot be reached"),
         ("{trace: [[0.4, 1.2, 0], [2, 1, 0]]}", "", "subtasks[0].trace[1]", "is 2.05 m from"),
         (
             "{touch: chest, via: [[0.9, 1.2, 0]]}",

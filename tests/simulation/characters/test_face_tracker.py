@@ -203,7 +203,12 @@ def test_takes_without_faces_are_stored_and_read(tmp_path: Path) -> None:
     empty = np.zeros((0, 0, 0), np.float32)
     take = take_of()
     bare = [
-        replace(m, targets=np.zeros((0, 2), np.int32), offsets=np.zeros((0, 3), np.float32))
+        replace(
+            m,
+            targets=np.zeros((0, 2), np.int32),
+            offsets=np.zeros((0, 3), np.float32),
+            creases=np.zeros((0, 3), np.float32),
+        )
         for m in take.meshes
     ]
     old = replace(take, faces=(), expressions=empty, meshes=tuple(bare))

@@ -9,6 +9,7 @@ Source: Sims 1987, 9.4 and 11.1.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -16,6 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import foot_materials
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState, HopState, SwingPath
@@ -27,8 +29,12 @@ from pipeline.simulation.take import Contact, ContactKind, TakeNote
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import World
 
-TUCK_HEIGHT = 0.3
+TUCK_HEIGHT = 0.42
 """How high feet are drawn up in mid-flight, in leg lengths."""
+
+TRAIL_DISTANCE, TRAIL_FROUDE = 0.30, 0.8
+"""By how much feet trail in mid-flight, in leg lengths, and the speed from which they do so fully,
+in √(g l): in a leap legs are thrown back, and thighs do not come up through the flanks."""
 
 TRAIL_SPEED = 0.35
 """Speed with which feet trail after a lift-off, in body speeds."""
@@ -138,6 +144,9 @@ def flight_swing(
         else np.minimum(low + TUCK_HEIGHT * hopper.leg_length * min(1.0, time / 0.5), highest)
     )
     middle[:, 1] = np.maximum(top, low)
+    ahead = np.array([v[0], 0.0, v[2]]) / (TRAIL_FROUDE * math.sqrt(GRAVITY * hopper.leg_length))
+    ahead /= max(float(np.linalg.norm(ahead)), 1.0)
+    middle -= TRAIL_DISTANCE * hopper.leg_length * ahead
     trail = np.tile([-TRAIL_SPEED * v[0], 0.0, -TRAIL_SPEED * v[2]], (n, 1))
     return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, landing_feet, trail)
 

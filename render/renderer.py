@@ -143,7 +143,7 @@ class Renderer:
     ) -> tuple[LightLayers, PassImages, Image | None]:
         """Return the mean of all moments of the exposure, the passes, and how soft pixels are.
 
-        They are None where nothing is out of focus, or nothing is to be denoised.
+        The softness is None where nothing is out of focus, or nothing is to be denoised.
         """
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)

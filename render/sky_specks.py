@@ -80,7 +80,7 @@ def without_specks(layers: LightLayers, softness: Image | None = None) -> LightL
     is_leaf = (CONTRAST * own < least) & (there < LESS_SURFACE * here)
     of_sky = np.where(is_sky, is_gap, is_leaf)
     y, x, near_y, near_x = y[of_sky], x[of_sky], near_y[:, of_sky], near_x[:, of_sky]
-    part = ((own - bound) / (own - other))[of_sky].astype(np.float32)[:, None]
+    part = ((own - bound)[of_sky] / (own - other)[of_sky]).astype(np.float32)[:, None]
     share = (unlike / count)[:, of_sky].astype(np.float32)[..., None]
 
     def mended(image: Image) -> Image:

@@ -12,7 +12,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Take
 
 FINE_PIXEL = 0.0055
-"""Size of a pixel on somebody beyond which he is coarse [m]: some 41 pixels from chin to crown."""
+"""Size of a pixel on people beyond which they are coarse [m]: some 41 pixels from chin to crown."""
 
 CELL_PIXELS, MAX_CELL = 1.7, 0.03
 """Size of the cells within which vertices become one, in pixels, and the largest [m]."""
@@ -23,7 +23,7 @@ eyes would be white and teeth would come through lips."""
 
 
 def with_coarse_people(take: Take, finest: Array) -> Take:
-    """Return a take whose people are as fine as they show.
+    """Return a take whose people are as fine as they show, in all meshes that fold or move a face.
 
     Args:
         take: of the film.

@@ -125,7 +125,7 @@ class ShotBuilder:
         self._floor = floor if floor in self.materials else None
         if self._floor is not None:
             self._terrain = replace(self._terrain, material=self._floor)
-        # Once it is known how large the heads are in the picture.
+        # Once it is known how large people are in the picture.
         take = self.take = with_coarse_people(take, self.tracks.grain)
         self._skin = Skin.of(take)
         self._parts = visible_parts(take)

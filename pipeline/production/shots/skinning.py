@@ -30,7 +30,7 @@ class Skin:
         blended: (B,) vertices that follow two nodes, or crease where these are bent.
         starts: (P + 1,) first vertex of each visible part.
         motions: of the faces.
-        creases: (V, 3) moves at a right angle of both nodes [m]; (0, 3) for none.
+        creases: (V, 3) moves where both nodes are turned by 90 degrees [m]; (0, 3) for none.
     """
 
     vertices: Array
@@ -163,7 +163,7 @@ def _creases(meshes: Sequence[Mesh]) -> Array:
 def _sine_of_bend(turned: Array) -> Array:
     """Return the sines (n,) of the angles of quaternions wxyz (n, 4), w ≥ 0; 1 beyond 90 degrees.
 
-    A quaternion is half as long along its axis as a rotation turns: w is the cosine of half of it.
+    w is the cosine of half the angle.
     """
     w = np.clip(turned[:, 0], np.sqrt(0.5), 1.0)
     return 2.0 * w * np.sqrt(1.0 - w * w)

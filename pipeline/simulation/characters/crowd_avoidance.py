@@ -283,15 +283,18 @@ def _crossing(persons: Records, nearest: Numbers, count: int, x: float, z: float
 
 @inlined
 def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) -> None:
-    """Let a walker that hardly gets on squeeze through, and others keep their distance again."""
+    """Let a walker that hardly gets on squeeze through, and others keep their distance again.
+
+    Whom others hold up meanwhile grows late.
+    """
     speed = wanted_x * wanted_x + wanted_z * wanted_z
     gain = person.velocity[0] * wanted_x + person.velocity[1] * wanted_z
     sign = 1.0 if gain < SLOW * speed else -1.0
     person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
     is_held_up = person.held_up * person.held_up > THRONG_SIDESTEP * THRONG_SIDESTEP * speed
     is_late = is_held_up and person.impatience > 0.0 and sign > 0.0
-    change = LATENESS_RATE if is_late else -CALMING_RATE
-    person.lateness = min(max(person.lateness + change, 0.0), 1.0)
+    growth = LATENESS_RATE if is_late else -CALMING_RATE
+    person.lateness = min(max(person.lateness + growth, 0.0), 1.0)
 
 
 @allocating

@@ -36,7 +36,7 @@ SHUFFLE_FROUDE = 0.15  # of steps aside or back without turning, in √(g l)
 MAX_CRAB = math.radians(15.0)  # of the way that is walked from the heading
 MOST_FACED_AWAY = math.radians(100.0)  # the same, beyond which a person steps back instead
 BACKWARD_FROUDE = 0.13  # of steps back before what a person keeps facing, in √(g l)
-CATCHING_UP = 0.12  # of one that others have held up, beyond its pace
+LATE_GAIN = 0.12  # of one that others have held up, beyond its pace
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 STARTLED_HASTE = 2.2  # of the turn of one that starts back, relative to others
@@ -88,7 +88,7 @@ def goal_velocity(person: Record) -> tuple[float, float]:
     left = max(distance - person.stop_distance, 0.0)
     # Slow down so that braking gently ends at the goal.
     speed = min(
-        (1.0 + CATCHING_UP * person.lateness) * person.pace,
+        (1.0 + LATE_GAIN * person.lateness) * person.pace,
         math.sqrt(2.0 * BRAKING_ACCELERATION * GRAVITY * left),
         0.5 * VELOCITY_GAIN * left,
     )

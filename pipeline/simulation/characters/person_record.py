@@ -158,7 +158,7 @@ PERSON = np.dtype(
         ("impatience", "f8"),
         # By how much others, rather than walls, change its velocity [m/s].
         ("held_up", "f8"),
-        # How much faster it walks to make up for time that others have cost it, 0 to 1.
+        # How far it makes up for time that others have cost it, 0 to 1 of the most haste.
         ("lateness", "f8"),
         # How far it keeps its arms to the body, where others pass close by, 0 to 1, and wants to.
         ("arms_in", "f8"),

@@ -139,8 +139,8 @@ WAY_BACK = 0.2  # by which the way to the next place is longer than one past it 
 REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
 VAIN_DISTANCE = 0.3  # from where no way was found, within which none is searched again [m]
 
-
 NO_PLACES: Array = np.zeros((0, 2))
+"""A way without places."""
 
 
 @entry

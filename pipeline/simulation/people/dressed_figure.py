@@ -114,7 +114,7 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
     weights = mesh.weights.copy()
     weights[alone] = [1.0, 0.0]
     nodes[alone, 1] = np.where(nodes[alone, 0] == 0, bones.links[FRAMES.index("head")], 0)
-    # Hair, and what faces and hands move, turn with the frame that a vertex follows most.
+    # Hair, creases, and what faces and hands move, turn with the frame that a vertex follows most.
     own = bones.turns[mesh.nodes[np.arange(len(nodes)), mesh.weights.argmax(axis=1)]]
     hair, offsets, creases = mesh.hair, mesh.offsets, mesh.creases
     if len(hair):
@@ -123,11 +123,9 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
         by_frame = own[mesh.targets[:, 0]]
         offsets = (by_frame * offsets[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
     if len(creases):
-        # A figure is drawn with its arms out: shoulders are bent at rest.
-        first, second = (bones.turns[mesh.nodes[:, k]] for k in (0, 1))
-        alike = np.abs(first - second).max(axis=(1, 2)) < 0.1
-        turned = (first * creases[:, None, :]).sum(axis=-1)
-        creases = np.where(alike[:, None], turned, 0.0).astype(np.float32)
+        creases = (own * creases[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
+        # Their second node stands for none, whatever its bend.
+        creases[alone] = 0.0
     moved = replace(
         mesh,
         vertices=places.astype(np.float32),

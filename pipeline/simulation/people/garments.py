@@ -11,6 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
+from pipeline.simulation.people.bend_creases import (
+    SLEEVED_ELBOW,
+    TROUSERED_KNEE,
+    hinge_creases,
+)
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.body_mesh import ARM, LEG
 from pipeline.simulation.people.proportions import BodyMeasures
@@ -346,9 +351,9 @@ def stripes(build: BodyMeasures) -> SkinnedPatch:
     """Return the stripes down the sides of a tracksuit's arms and legs."""
     g = build.girth
     patches = []
-    for rows, z, place, ends, frames in (
-        (LEG, build.hips, 0.285, (0.060, 0.500), ("thigh_r", "shin_r")),
-        (ARM, build.shoulders, 0.632, (0.510, 0.765), ("upper_arm_r", "forearm_r")),
+    for rows, z, hinge, ends, frames in (
+        (LEG, build.hips, TROUSERED_KNEE, (0.060, 0.500), ("thigh_r", "shin_r")),
+        (ARM, build.shoulders, SLEEVED_ELBOW, (0.510, 0.765), ("upper_arm_r", "forearm_r")),
     ):
         outline = build.outline(rows)
         thick = 0.0042 if rows is ARM else 0.0
@@ -356,7 +361,10 @@ def stripes(build: BodyMeasures) -> SkinnedPatch:
         x, side = (np.interp(levels, outline[:, 0], outline[:, k]) for k in (1, 4))
         points = np.stack([x, levels, z + side + (thick - 0.0035) * g], axis=-1)
         stripe = tube(points, np.full(len(points), 0.0060 * g), 6)
-        reach, joint = 0.030 * g, build.level(place)
+        reach, joint = 0.030 * g, build.level(hinge.level)
         share = 1.0 - ramp(stripe.vertices[:, 1], joint - reach, joint + reach)
-        patches.append(stripe.follow(*frames, share))
+        # As the cloth below, outward of the limb.
+        outward = np.broadcast_to([0.0, 0.0, 1.0], stripe.vertices.shape)
+        crease = hinge_creases(build, hinge, stripe.vertices, outward, z)
+        patches.append(replace(stripe.follow(*frames, share), crease=crease))
     return with_mirror(merge_patches(patches))

@@ -54,6 +54,9 @@ EYEBALL_MATERIAL = "eye white"
 FOLDED_COLLARS = frozenset[Garment](("tucked", "coat", "bib"))
 """Garments that go with a collar; others with a ribbed neck."""
 
+LEAST_CREASE = 2e-5
+"""Least move of a vertex in a crease that is kept [m]."""
+
 MESH_CACHE_SIZE = 64
 """Number of persons whose meshes are kept for others like them."""
 
@@ -92,7 +95,8 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
     shape = (
         (clothes.style, clothes.hair_length),
         *sleeves_and_legs,
-        (clothes.build, clothes.is_curved),
+        clothes.build,
+        clothes.is_curved,
         clothes.garments,
         clothes.features,
     )
@@ -132,14 +136,15 @@ def _cached_meshes(
     hair: tuple[HairStyle, float],
     short_sleeves: bool,
     shorts: bool,
-    stature: tuple[Stature, bool],
+    stature: Stature,
+    is_curved: bool,
     garments: tuple[Garment, ...],
     features: Features,
     *colors: str,
 ) -> tuple[tuple[str, Mesh], ...]:
     tints = tint_colors(*colors)
     style, length = hair
-    build = BodyMeasures(proportions, GIRTH_FACTORS[stature[0]], stature[1])
+    build = BodyMeasures(proportions, GIRTH_FACTORS[stature], is_curved)
     head = Head(build)
     layers = [
         (name, _mesh(merge_patches(patches), tints))
@@ -206,7 +211,10 @@ def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:
     if len(patch.targets):
         extra["offsets"] = patch.offsets
     if len(patch.crease):
-        extra["creases"] = patch.crease
+        # What does not show would be posed all the same.
+        shows = np.abs(patch.crease).max(axis=1, keepdims=True) > LEAST_CREASE
+        if shows.any():
+            extra["creases"] = np.where(shows, patch.crease, 0.0)
     mesh = Mesh(
         patch.vertices.astype(np.float32),
         np.ascontiguousarray(patch.faces, dtype=np.uint32),

@@ -84,8 +84,9 @@ SUNK, SLOPE = 0.020, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
-LIFTED = 0.65
-"""Share of that slope which arms take back that are lifted by a right angle."""
+LIFTED, LIFT_EASE = 0.65, 0.3
+"""Share of that slope which arms take back that are lifted by a right angle, and the share of the
+arm in cloth from which they do so fully: beside it the chest stays as it is."""
 
 SLEEVE_THICKNESS = 0.0036
 """Of a sleeve with the air in it, in girths."""
@@ -136,7 +137,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
         bent = hinge_creases(build, SLEEVED_ELBOW, straight, normals, build.shoulders)
         crease = (pull >= 1.0)[:, None] * bent
     # Lifted arms take back what letting them down took.
-    crease[:, 1] += LIFTED * sunk * (pull < 1.0)
+    crease[:, 1] += LIFTED * sunk * (pull < 1.0) * ramp(pull, 0.0, LIFT_EASE)
     return SkinnedPatch(
         side * hanging,
         net.faces,

@@ -1,4 +1,4 @@
-"""Coarse faces: small heads have fewer triangles, and keep their place and their moves."""
+"""Coarse people: small ones have fewer triangles, and keep their place and their moves."""
 
 from __future__ import annotations
 

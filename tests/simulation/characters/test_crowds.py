@@ -10,13 +10,19 @@ import pytest
 from benchmarks.crossing import cross
 from pipeline.simulation.characters import arm_clearance, half_planes, headway, right_of_way
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.characters.crowd_avoidance import LOOK_INTERVAL
+from pipeline.simulation.characters.crowd_avoidance import (
+    CALMING_RATE,
+    LATENESS_RATE,
+    LOOK_INTERVAL,
+    _squeeze,
+)
 from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.neighbours import (
     find_neighbours,
     insert_nearest,
     order_along_x,
 )
+from pipeline.simulation.characters.pelvis_motion import LATE_GAIN
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.right_of_way import (
     hold_up_one_another,
@@ -98,6 +104,39 @@ def test_walkers_in_a_crowd_keep_a_headway_by_their_speed(
     plain: Any = headway_share
     share = plain.py_func(persons, persons[0], np.array([1]), 1, 1.3, 0.0)
     assert 1.3 * share == pytest.approx(fastest, abs=0.01)
+
+
+def test_who_is_held_up_grows_late_and_calms_down_again() -> None:
+    person: Any = zero_records(1, PERSON)[0]
+    squeeze: Any = _squeeze
+    # It stands, held up by others whom it cannot squeeze past.
+    person.impatience, person.held_up = 1.0, 1.0
+    for _ in range(round(1.0 / LATENESS_RATE) + 1):
+        squeeze.py_func(person, 0.01, 1.3, 0.0)
+    assert person.lateness == 1.0
+    person.velocity[0], person.held_up = 1.3, 0.0
+    for _ in range(round(1.0 / CALMING_RATE) + 1):
+        squeeze.py_func(person, 0.01, 1.3, 0.0)
+    assert person.lateness == 0.0
+
+
+def test_who_is_late_walks_faster() -> None:
+    scene = """
+duration: 5
+cast:
+  - {name: anna, character: adult, at: [0, 0]}
+  - {name: ben, character: adult, at: [0, 4]}
+script:
+  - {at: 0, who: anna, do: {go_to: [14, 0]}}
+  - {at: 0, who: ben, do: {go_to: [14, 4]}}
+"""
+
+    def delay(troupe: Characters, step: int) -> None:
+        troupe.persons[0].lateness = 1.0
+
+    play = play_scene(scene, delay)
+    late, other = (np.ptp(play.joint(who, "pelvis")[-2 * STEPS :, 0]) for who in ("anna", "ben"))
+    assert late / other == pytest.approx(1.0 + LATE_GAIN, abs=0.03)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.8, -2.0])

@@ -84,6 +84,7 @@ def test_initial_overlap_resolves_slowly(apart: float) -> None:
         yard.step()
         fastest = max(fastest, float(np.abs(yard.arrays.p - before).max()) / DT)
     assert character_overlap(yard.arrays.nodes, yard.arrays.links) < 0.005
+    # Links pushed apart in one step would leave at their width a step, some 15 m/s.
     assert fastest < 5.0
 
 

@@ -85,7 +85,7 @@ def test_motion_converges_across_step_rates() -> None:
     # After half a second of tumbling: the method is of first order.
     errors = [np.abs(end - ends[-1]).max() for end in ends[:2]]
     assert errors[0] < 0.15
-    assert errors[1] < 0.1
+    assert errors[1] < 0.7 * errors[0]
 
 
 def test_locked_nodes_stay_and_landing_nodes_lock() -> None:

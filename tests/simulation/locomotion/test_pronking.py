@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import hop_phases, hop_simulation
-from pipeline.simulation.locomotion.pronking.hop_events import trip_on_wall
+from pipeline.simulation.locomotion.pronking.hop_events import flight_swing, trip_on_wall
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
@@ -64,6 +65,25 @@ def test_saturated_phase_force_is_bounded_and_takes_longer():
     assert not free.saturated
     assert math.hypot(*held.force) == pytest.approx(2000.0)
     assert held.time > free.time
+
+
+@pytest.mark.parametrize(("time", "speed"), [(0.6, 3.0), (0.1, 3.0), (0.6, 0.0)])
+def test_feet_trail_and_are_drawn_up_the_more_the_longer_they_fly(
+    time: float, speed: float
+) -> None:
+    hips = np.array([[0.5, 0.0, 0.1], [-0.5, 0.0, 0.1]])
+    hopper = SimpleNamespace(hips=hips, folded_lengths=np.full(2, 0.2), leg_length=0.8)
+    start, end = (hips + np.array([x, -0.75, 0.0]) for x in (-0.1, 0.1))
+    v = np.array([speed, 2.0, 0.0])
+    swing = flight_swing(hopper, start, end, 0.0, time, v, False)  # type: ignore[arg-type]
+    long_flight = 1.0 if time > 0.5 else 0.2
+    off = swing.middle - 0.5 * (start + end)
+    np.testing.assert_allclose(off[:, 0], -0.30 * 0.8 * long_flight * (speed > 0.0), atol=1e-9)
+    np.testing.assert_allclose(off[:, 1], 0.42 * 0.8 * long_flight)
+    fast = [np.diff([swing.tips(t) for t in np.linspace(0.0, time, 400)], axis=0)]
+    if time == 0.1:
+        # Not torn along: twice the speed of the body at most.
+        assert np.linalg.norm(fast[0], axis=-1).max() / (time / 399) < 2.0 * speed
 
 
 def test_leg_forces_add_up_within_their_bound():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import get_args
@@ -63,6 +64,8 @@ ALL = [
         ("none", "sturdy", False),
     ]
 ]
+NO_CREASES = np.zeros((0, 3), np.float32)
+
 EVERYONE = pytest.mark.parametrize(("proportions", "clothes"), ALL)
 
 
@@ -364,9 +367,8 @@ def test_hair_grows_from_the_head_and_leaves_the_eyes_free() -> None:
     ("layer", "joints", "way", "most"),
     [
         ("skin", ("shoulder", "elbow", "hand"), 1.0, 0.25),
-        # Cloth is pressed into creases there.
-        ("shirt", ("shoulder", "elbow", "hand"), 1.0, 0.55),
-        ("trousers", ("hip", "knee", "foot"), -1.0, 0.55),
+        ("shirt", ("shoulder", "elbow", "hand"), 1.0, 0.25),
+        ("trousers", ("hip", "knee", "foot"), -1.0, 0.25),
     ],
 )
 def test_a_limb_bent_by_140_degrees_keeps_its_girth(
@@ -374,7 +376,8 @@ def test_a_limb_bent_by_140_degrees_keeps_its_girth(
 ) -> None:
     """Behind the hinge the surface keeps its distance, and no vertex is inside."""
     clothes = Clothes(short_sleeves=layer == "skin")
-    layers = person_layers(ADULT, clothes)
+    creased = person_layers(ADULT, clothes)
+    layers = [replace(x, mesh=replace(x.mesh, creases=NO_CREASES)) for x in creased]
     number = next(k for k, one in enumerate(layers) if one.name == layer)
     rest = ADULT.rest()
     bent = rest.copy()
@@ -389,6 +392,10 @@ def test_a_limb_bent_by_140_degrees_keeps_its_girth(
     radius = np.linalg.norm((before - rest[hinge])[near][:, :2], axis=-1)
     now = np.linalg.norm((after - rest[hinge])[near][:, :2], axis=-1)
     np.testing.assert_allclose(now, radius, rtol=most, atol=0.004)
+    # Creases press cloth in by a third of the radius at most.
+    folded = posed_vertices(ADULT, creased, bent)[number]
+    now = np.linalg.norm((folded - rest[hinge])[near][:, :2], axis=-1)
+    np.testing.assert_allclose(now, radius, rtol=0.36, atol=0.004)
     closed = layers[number].mesh.faces.astype(int)
     volumes = [trimesh.Trimesh(places, closed, process=False).volume for places in (before, after)]
     assert volumes[1] == pytest.approx(volumes[0], rel=0.1)

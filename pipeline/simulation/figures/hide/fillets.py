@@ -22,7 +22,7 @@ BELOW = 0.92
 """Share of the way to the union by which hidden parts move out."""
 
 WIDTH = 1.0
-"""Distance of the other surface from which one is moved, in the greatest radius of the shank."""
+"""Distance of the other surface from which one is moved, in the mean radius of the shank."""
 
 
 def filleted(trunk: Solid, lumps: Sequence[Lump], shank: Solid) -> tuple[Solid, Solid]:
@@ -35,7 +35,7 @@ def filleted(trunk: Solid, lumps: Sequence[Lump], shank: Solid) -> tuple[Solid, 
     """
     on_trunk, on_shank = (vertex_normals(one.vertices, one.faces) for one in (trunk, shank))
     off, nearest = cKDTree(shank.vertices).query(trunk.vertices)
-    width = WIDTH * _radius(shank)
+    width = WIDTH * _mean_radius(shank)
     # Beyond a vertex its tangential plane is the surface.
     away = trunk.vertices - shank.vertices[nearest]
     beyond = (away * on_shank[nearest]).sum(axis=-1)
@@ -60,8 +60,8 @@ def _rise(distance: Array, width: float) -> Array:
     return np.asarray(near * near / (4.0 * width) + hidden)
 
 
-def _radius(shank: Solid) -> float:
-    """Return the greatest radius of a shank, by the volume of a tube of its surface."""
+def _mean_radius(shank: Solid) -> float:
+    """Return the mean radius of a shank: that of a tube of its volume and surface."""
     a, b, c = (shank.vertices[shank.faces[:, k]] for k in range(3))
     area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=-1).sum())
     volume = abs(float((a * np.cross(b, c)).sum())) / 6.0

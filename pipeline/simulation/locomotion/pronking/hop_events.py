@@ -32,6 +32,9 @@ from pipeline.simulation.troupe import World
 TUCK_HEIGHT = 0.42
 """How high feet are drawn up in mid-flight, in leg lengths."""
 
+FULL_TUCK_TIME = 0.5
+"""Duration of a flight from which on feet are drawn up and thrown back fully [s]."""
+
 TRAIL_DISTANCE, TRAIL_FROUDE = 0.30, 0.8
 """By how much feet trail in mid-flight, in leg lengths, and the speed from which they do so fully,
 in √(g l): in a leap legs are thrown back, and thighs do not come up through the flanks."""
@@ -138,15 +141,15 @@ def flight_swing(
         np.maximum(start[:, 1], landing_feet[:, 1]),
         hopper.hips[:, 1] - 1.15 * hopper.folded_lengths,
     )
+    # Short flights leave no time for it.
+    share = min(1.0, time / FULL_TUCK_TIME)
     top = (
-        highest
-        if fold_legs
-        else np.minimum(low + TUCK_HEIGHT * hopper.leg_length * min(1.0, time / 0.5), highest)
+        highest if fold_legs else np.minimum(low + TUCK_HEIGHT * hopper.leg_length * share, highest)
     )
     middle[:, 1] = np.maximum(top, low)
     ahead = np.array([v[0], 0.0, v[2]]) / (TRAIL_FROUDE * math.sqrt(GRAVITY * hopper.leg_length))
     ahead /= max(float(np.linalg.norm(ahead)), 1.0)
-    middle -= TRAIL_DISTANCE * hopper.leg_length * ahead
+    middle -= TRAIL_DISTANCE * hopper.leg_length * share * ahead
     trail = np.tile([-TRAIL_SPEED * v[0], 0.0, -TRAIL_SPEED * v[2]], (n, 1))
     return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, landing_feet, trail)
 

@@ -201,8 +201,9 @@ def leaning_attitude(
 class SwingPath:
     """Paths of n feet in the air, relative to the body.
 
-    Each has three points: where the foot left the ground, a middle one above both others, so that
-    the leg folds while the body rises, and the foot stretched forward for the landing.
+    Each has three points: where the foot left the ground, a middle one above both others and behind
+    the middle between them, so that the leg folds and trails while the body rises, and the foot
+    stretched forward for the landing.
 
     Attributes:
         begin: (n,) start times [s].

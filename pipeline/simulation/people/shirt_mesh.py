@@ -84,7 +84,7 @@ SUNK, SLOPE = 0.020, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
-LIFTED, LIFT_EASE = 0.65, 0.3
+LIFTED, LIFT_EASE = 0.50, 0.3
 """Share of that slope which arms take back that are lifted by a right angle, and the share of the
 arm in cloth from which they do so fully: beside it the chest stays as it is."""
 

@@ -67,19 +67,22 @@ def test_saturated_phase_force_is_bounded_and_takes_longer():
     assert held.time > free.time
 
 
-@pytest.mark.parametrize(("time", "speed"), [(0.6, 3.0), (0.1, 3.0), (0.6, 0.0)])
+@pytest.mark.parametrize(
+    ("time", "speed", "legs"), [(0.6, 3.0, 4), (0.1, 3.0, 4), (0.6, 0.0, 4), (0.6, 3.0, 2)]
+)
 def test_feet_trail_and_are_drawn_up_the_more_the_longer_they_fly(
-    time: float, speed: float
+    time: float, speed: float, legs: int
 ) -> None:
-    hips = np.array([[0.5, 0.0, 0.1], [-0.5, 0.0, 0.1]])
-    hopper = SimpleNamespace(hips=hips, folded_lengths=np.full(2, 0.2), leg_length=0.8)
+    hips = np.array([[x, 0.0, z] for x in (0.5, -0.5) for z in (-0.1, 0.1)])[-legs:]
+    hopper = SimpleNamespace(hips=hips, folded_lengths=np.full(legs, 0.2), leg_length=0.8)
     start, end = (hips + np.array([x, -0.75, 0.0]) for x in (-0.1, 0.1))
     v = np.array([speed, 2.0, 0.0])
     swing = flight_swing(hopper, start, end, 0.0, time, v, False)  # type: ignore[arg-type]
     long_flight = 1.0 if time > 0.5 else 0.2
     off = swing.middle - 0.5 * (start + end)
-    np.testing.assert_allclose(off[:, 0], -0.30 * 0.8 * long_flight * (speed > 0.0), atol=1e-9)
-    np.testing.assert_allclose(off[:, 1], 0.42 * 0.8 * long_flight)
+    trailing = 0.30 * (speed > 0.0) * (legs > 2)
+    np.testing.assert_allclose(off[:, 0], -trailing * 0.8 * long_flight, atol=1e-9)
+    np.testing.assert_allclose(off[:, 1], (0.42 if legs > 2 else 0.30) * 0.8 * long_flight)
     fast = [np.diff([swing.tips(t) for t in np.linspace(0.0, time, 400)], axis=0)]
     if time == 0.1:
         # Not torn along: twice the speed of the body at most.

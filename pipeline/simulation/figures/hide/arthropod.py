@@ -20,7 +20,6 @@ from pipeline.simulation.figures.hide.shell_parts import (
     beetle_leg,
     chelicerae,
     claw_solids,
-    front_plates,
     is_claw,
     joint_paint,
     leg_segment,
@@ -204,7 +203,7 @@ class ArthropodHide:
         else:
             solids = mandibles(tip, along, r, 1.25)
             if self.kind == "beetle":
-                solids += [*palps(tip, along, r), *front_plates(tip, along, r)]
+                solids += palps(tip, along, r)
         link = chain.limb.links[-1]
         return [
             self.stance.rigid(solid, link, painted(len(solid.vertices), JAW_COLOR, 0.9))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.simulation.figures.hide.sheets import Paint, outward, painted, small_ball, tube
+from pipeline.simulation.figures.hide.sheets import Paint, painted, tube
 from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, cross, normalized
@@ -328,23 +328,6 @@ def venom_claws(tip: Array, along: Array, radius: float) -> list[Solid]:
             curve[1:-1] = 0.25 * curve[:-2] + 0.5 * curve[1:-1] + 0.25 * curve[2:]
         shape = np.interp(t, [0.0, 0.2, 0.34, 0.38, 0.7, 1.0], [0.30, 0.44, 0.34, 0.28, 0.20, 0.02])
         solids.append(tube(curve, radius * shape, 8))
-    return solids
-
-
-LABRUM = (((0.92, 0.10), (0.26, 0.20, 0.52)), ((1.20, -0.10), (0.20, 0.11, 0.38)))
-"""Places of clypeus and upper lip ahead and up, and their radii along, up and aside, in heads."""
-
-
-def front_plates(tip: Array, along: Array, radius: float) -> list[Solid]:
-    """Return the two plates above the jaws: a face is blank without them."""
-    side = normalized(cross(along, UP))
-    axes = np.stack([along, cross(side, along), side])
-    unit = small_ball(np.zeros(3), 1.0, 8, 4)
-    solids = []
-    for (ahead, up), radii in LABRUM:
-        middle = tip + radius * (ahead * along + up * UP)
-        places = middle + radius * (np.array(radii) * unit.vertices) @ axes
-        solids.append(outward(Solid(places, unit.faces)))
     return solids
 
 

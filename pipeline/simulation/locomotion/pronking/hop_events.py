@@ -29,15 +29,17 @@ from pipeline.simulation.take import Contact, ContactKind, TakeNote
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import World
 
-TUCK_HEIGHT = 0.42
-"""How high feet are drawn up in mid-flight, in leg lengths."""
+TUCK_HEIGHT, BIPED_TUCK_HEIGHT = 0.42, 0.30
+"""How high feet are drawn up in mid-flight, in leg lengths, of creatures with over two legs, and
+of bipeds."""
 
 FULL_TUCK_TIME = 0.5
 """Duration of a flight from which on feet are drawn up and thrown back fully [s]."""
 
 TRAIL_DISTANCE, TRAIL_FROUDE = 0.30, 0.8
 """By how much feet trail in mid-flight, in leg lengths, and the speed from which they do so fully,
-in √(g l): in a leap legs are thrown back, and thighs do not come up through the flanks."""
+in √(g l): in a leap legs are thrown back, and thighs do not come up through the flanks. Those of
+bipeds swing ahead at once."""
 
 TRAIL_SPEED = 0.35
 """Speed with which feet trail after a lift-off, in body speeds."""
@@ -143,13 +145,12 @@ def flight_swing(
     )
     # Short flights leave no time for it.
     share = min(1.0, time / FULL_TUCK_TIME)
-    top = (
-        highest if fold_legs else np.minimum(low + TUCK_HEIGHT * hopper.leg_length * share, highest)
-    )
+    tuck, trailing = (TUCK_HEIGHT, TRAIL_DISTANCE) if n > 2 else (BIPED_TUCK_HEIGHT, 0.0)
+    top = highest if fold_legs else np.minimum(low + tuck * hopper.leg_length * share, highest)
     middle[:, 1] = np.maximum(top, low)
     ahead = np.array([v[0], 0.0, v[2]]) / (TRAIL_FROUDE * math.sqrt(GRAVITY * hopper.leg_length))
     ahead /= max(float(np.linalg.norm(ahead)), 1.0)
-    middle -= TRAIL_DISTANCE * hopper.leg_length * share * ahead
+    middle -= trailing * hopper.leg_length * share * ahead
     trail = np.tile([-TRAIL_SPEED * v[0], 0.0, -TRAIL_SPEED * v[2]], (n, 1))
     return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, landing_feet, trail)
 

@@ -71,8 +71,8 @@ from pipeline.simulation.spatial import Array
 
 LOOK_INTERVAL = 4  # steps from one look at others to the next
 HORIZON = 3.0  # within which nobody is met [s]
-STANDING_HORIZON = 1.2  # the same for who stands in a crowd, of a walker that is held up [s]
-SQUEEZING_HORIZON = 1.2  # of one who squeezes through, or it would stand afar from a row [s]
+STANDING_HORIZON = 1.2  # of a walker in a crowd that is held up, for people who stand [s]
+SQUEEZING_HORIZON = 1.2  # of one that squeezes through: with more it stops far before a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 COMPANION_SPACE = 0.4  # of those who walk together

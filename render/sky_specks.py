@@ -98,14 +98,12 @@ def without_specks(layers: LightLayers, softness: Image | None = None) -> LightL
 
 
 def _candidates(air: NDArray[np.float32]) -> tuple[Indices, Indices]:
-    """Return the pixels that differ from a neighbour in their row and from one in their column."""
+    """Return the pixels that differ from all neighbours in row and column but `MOST_ALIKE`."""
     apart = np.pad(air, 1, mode="edge")
-    over, under = air > 0.0, air > 0.0
-    for first, second in (
-        (apart[1:-1, :-2], apart[1:-1, 2:]),
-        (apart[:-2, 1:-1], apart[2:, 1:-1]),
-    ):
-        over &= CONTRAST * np.minimum(first, second) < air
-        under &= np.maximum(first, second) > CONTRAST * air
-    found = np.nonzero(over | under)
+    over, under = (np.zeros(air.shape, np.int8) for _ in range(2))
+    for near in (apart[1:-1, :-2], apart[1:-1, 2:], apart[:-2, 1:-1], apart[2:, 1:-1]):
+        over += CONTRAST * near < air
+        under += near > CONTRAST * air
+    least = 4 - MOST_ALIKE
+    found = np.nonzero((over >= least) | (under >= least))
     return found[0], found[1]

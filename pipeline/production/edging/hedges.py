@@ -23,19 +23,19 @@ from pipeline.simulation.spatial import Array
 INNER, LEAF, YOUNG = (0.120, 0.178, 0.048), (0.172, 0.245, 0.062), (0.300, 0.365, 0.110)
 """Linear colours of leaves deep inside, at the face, and of new growth."""
 
-BODY = (0.066, 0.092, 0.034)
+BODY = (0.030, 0.044, 0.018)
 """Of the dark inside, where branches and shade are."""
 
 LENGTH, HEIGHT, DEPTH = 1.0, 1.0, 0.74
 """Of one length of hedge at scale 1 [m]."""
 
-BODY_SHARE = (0.80, 0.56)
+BODY_SHARE = (0.76, 0.42)
 """Height and depth of the inside relative to the whole."""
 
 OVERLAP = 0.09
 """By which shoots reach over the next length, so that no joint shows [m]."""
 
-SHOOTS = ((150, 11, 0.070, 2), (110, 8, 0.106, 2), (90, 5, 0.20, 1))
+SHOOTS = ((260, 11, 0.074, 2), (170, 8, 0.108, 2), (120, 5, 0.20, 1))
 """Shoots, leaves on each, length of a leaf [m] and its triangles by level of detail."""
 
 SHOOT = 0.17

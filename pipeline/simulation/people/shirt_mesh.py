@@ -44,10 +44,10 @@ from pipeline.simulation.people.skinned_surface import (
 from pipeline.simulation.spatial import Array
 
 TORSO = (
-    (0.490, -0.003, 0.078, 0.087, 0.117),
-    (0.520, -0.003, 0.077, 0.085, 0.115),
-    (0.545, -0.003, 0.074, 0.079, 0.109),
-    (0.570, -0.002, 0.069, 0.070, 0.098),
+    (0.490, -0.003, 0.075, 0.084, 0.112),
+    (0.520, -0.003, 0.074, 0.083, 0.111),
+    (0.545, -0.003, 0.072, 0.077, 0.107),
+    (0.570, -0.002, 0.068, 0.069, 0.097),
     (0.590, 0.000, 0.065, 0.063, 0.090),
     (0.605, 0.001, 0.064, 0.060, 0.087),
     (0.640, 0.002, 0.061, 0.054, 0.084),
@@ -80,13 +80,13 @@ DRAWN, BESIDE = 0.022, (0.105, 0.045)
 """Depth of the trunk from which cloth is drawn along by an arm, and the distances from the shoulder
 between which that comes about, in girths: less would fold it into itself before the chest."""
 
-SUNK, SLOPE = 0.020, (0.045, 0.020)
+SUNK, SLOPE = 0.013, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
-LIFTED, LIFT_EASE = 0.50, 0.3
-"""Share of that slope which arms take back that are lifted by a right angle, and the share of the
-arm in cloth from which they do so fully: beside it the chest stays as it is."""
+LIFTED, LIFT_START, LIFT_END = 0.019, (0.030, 0.078), (0.80, 0.25)
+"""By how much a shoulder rises with an arm that is lifted by a right angle, the places beside the
+neck between which that begins, both in girths, and the shares of the arm between which it ends."""
 
 SLEEVE_THICKNESS = 0.0036
 """Of a sleeve with the air in it, in girths."""
@@ -126,8 +126,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     half = 0.5 * SPREAD
     turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))
     hanging = _swung(spread, joint, -turned)
-    sunk = _slope(build, hanging)
-    hanging[:, 1] -= sunk
+    hanging[:, 1] -= _slope(build, hanging)
     frames, share = _followed(build, hanging, straight, pull)
     by_trunk = fold_shade(build, trunk_folds, spread)
     shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
@@ -136,8 +135,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     if not short_sleeves:
         bent = hinge_creases(build, SLEEVED_ELBOW, straight, normals, build.shoulders)
         crease = (pull >= 1.0)[:, None] * bent
-    # Lifted arms take back what letting them down took.
-    crease[:, 1] += LIFTED * sunk * (pull < 1.0) * ramp(pull, 0.0, LIFT_EASE)
+    crease[:, 1] += _lift(build, hanging) * ramp(pull, *LIFT_END)
     return SkinnedPatch(
         side * hanging,
         net.faces,
@@ -162,6 +160,12 @@ def _slope(build: BodyMeasures, hanging: Array) -> Array:
     return SUNK * g * aside * ramp(y, build.level(0.760), build.level(0.815))
 
 
+def _lift(build: BodyMeasures, hanging: Array) -> Array:
+    """Return by how much cloth (n,) rises with the shoulder of a lifted arm [m]."""
+    g, y, z = build.girth, hanging[:, 1], hanging[:, 2]
+    return LIFTED * g * ramp(z / g, *LIFT_START) * ramp(y, build.level(0.765), build.level(0.805))
+
+
 def _followed(
     build: BodyMeasures, hanging: Array, straight: Array, pull: Array
 ) -> tuple[NDArray[np.int64], Array]:
@@ -177,7 +181,9 @@ def _followed(
         FRAMES.index(name) for name in ("pelvis", "chest", "upper_arm_r", "forearm_r")
     )
     up, bent = chest_share(build, hanging[:, 1]), below_elbow(build, straight[:, 1])
-    is_arm, is_shoulder = pull >= 1.0, (pull > 0.0) & (pull < 1.0)
+    is_arm = pull >= 1.0
+    # Where nothing follows the arm, it may still lift the cloth.
+    is_shoulder = ~is_arm & ((pull > 0.0) | (up >= 1.0))
     first = np.where(is_arm, upper, np.where(is_shoulder, chest, pelvis))
     second = np.where(is_arm, fore, np.where(is_shoulder, upper, chest))
     share = np.where(is_arm, bent, np.where(is_shoulder, pull, up))
@@ -206,8 +212,8 @@ def _sleeve_field(build: BodyMeasures, end: float) -> Field:
     shoulder = round_cone(
         (-0.001 * g, top - 0.012 * g, z - 0.005 * g),
         (0.002 * g, top - 0.052 * g, z + 0.0005 * g),
-        0.0200 * g,
-        0.0226 * g,
+        0.0185 * g,
+        0.0216 * g,
     )
     above = half_space((0.0, end, z), (0.0, -1.0, 0.0))
     return smooth_intersection(smooth_union([arm, shoulder], 0.02 * g), above, CUT_EDGE * g)
@@ -232,8 +238,8 @@ def shirt_field(build: BodyMeasures) -> Field:
         # Cloth spans the hollow between.
         torso = smooth_union([torso, smooth_union(bust, 0.06 * girth)], 0.030 * girth)
     # The trapezius slopes down from the sides of the neck to the shoulders.
-    neck = np.array([-0.014 * girth, build.level(0.838), 0.022 * girth])
-    tip = np.array([0.0, build.level(0.794), build.shoulders - 0.010 * girth])
+    neck = np.array([-0.014 * girth, build.level(0.826), 0.024 * girth])
+    tip = np.array([0.0, build.level(0.797), build.shoulders - 0.010 * girth])
     right, left = (
         round_cone(neck * m, tip * m, 0.026 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
     )

@@ -237,7 +237,8 @@ def test_long_hair_goes_with_a_bust_and_a_waist() -> None:
         """Return how far the chest reaches ahead, and half the width of the waist [m]."""
         build = BodyMeasures(proportions, 1.0, Clothes(style=style).is_curved)
         patch = shirt(build, short_sleeves=True)
-        x, y, z = patch.vertices[patch.frames[:, 0] == FRAMES.index("pelvis")].T
+        on_trunk = np.isin(patch.frames[:, 0], [FRAMES.index("pelvis"), FRAMES.index("chest")])
+        x, y, z = patch.vertices[on_trunk].T
         chest = np.abs(y - build.level(0.73)) < 0.02 * proportions.height
         waist = np.abs(y - build.level(0.63)) < 0.02 * proportions.height
         return float(x[chest].max()), float(z[waist].max())

@@ -162,7 +162,7 @@ class GroundShader:
         material, n = self._material, si.sh_frame.n
         if self._first is None:
             return mi.Color3f(*_linear(material.color)), mi.Normal3f(n)
-        ragged = ragged_wave(si.p)
+        ragged = ragged_wave(si, self.values[PIXEL_WIDTH])
         projection = box_projection(si.p, si.n, ragged)
         size = material.texture_scale
         level = mip_level(si, size, self.values[PIXEL_WIDTH])

@@ -39,6 +39,9 @@ fades: farther away the pattern itself is finer than pixels."""
 BORDER_WANDER = 0.10
 """How far the border between two projections wanders, as a fraction of a normal's length."""
 
+WAVE_SHOWN = 0.1
+"""Width of a pixel up to which the ragged wave is shown in full [m]; at twice that it is gone."""
+
 PIXEL_WIDTH = "pixel"
 """Name of the surface parameter that holds the width of a pixel at a distance of 1 m [m]."""
 
@@ -288,11 +291,19 @@ def box_projection(p: Any, n: Any, ragged: Any) -> Projection:
     )
 
 
-def ragged_wave(p: Any) -> Any:
-    """Return a number, -1 to 1, that varies over some decimetres without visible repetition."""
+def ragged_wave(si: Any, pixel: Any) -> Any:
+    """Return a number, -1 to 1, that varies over some decimetres without visible repetition.
+
+    Args:
+        si: `mi.SurfaceInteraction3f`.
+        pixel: `mi.Float`, width of a pixel at 1 m [m].
+    """
+    p = si.p
     # Incommensurable wavelengths.
     first = dr.sin(5.1 * p.x + 1.7 * p.z + 2.3 * p.y)
-    return 0.5 * (first + dr.sin(3.3 * p.z - 4.4 * p.x + 1.9 * p.y + 1.1))
+    # Far away they would be a grid of dots.
+    shown = dr.clip(2.0 - si.t * pixel / WAVE_SHOWN, 0.0, 1.0)
+    return 0.5 * shown * (first + dr.sin(3.3 * p.z - 4.4 * p.x + 1.9 * p.y + 1.1))
 
 
 def turned(u: Any, v: Any, degrees: float) -> tuple[Any, Any]:

@@ -143,7 +143,7 @@ def suit_front(build: BodyMeasures) -> SkinnedPatch:
     line = np.stack(
         [
             -0.010 * g + (0.0380 + 0.003 * point) * g * np.cos(angle),
-            build.level(0.847) - (0.009 * (1.0 + np.cos(angle)) + 0.012 * point) * g,
+            build.level(0.843) - (0.009 * (1.0 + np.cos(angle)) + 0.012 * point) * g,
             (0.0380 + 0.018 * point) * g * np.sin(angle),
         ],
         axis=-1,

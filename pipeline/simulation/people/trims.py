@@ -38,10 +38,10 @@ BELT, BELT_WORN = (0.5885, 0.6030), 0.0018
 WAISTBAND = (0.5800, 0.6080)
 """Edges of a waistband likewise."""
 
-RIB = ((0.8450, 0.0405), (0.8460, 0.0430), (0.8590, 0.0392), (0.8590, 0.0345))
+RIB = ((0.8420, 0.0415), (0.8430, 0.0442), (0.8565, 0.0396), (0.8565, 0.0345))
 """Rings of the ribbed neck of a shirt, from its lower inner edge around: heights and radii."""
 
-COLLAR = ((0.8430, 0.0430), (0.8430, 0.0475), (0.8670, 0.0392), (0.8660, 0.0345))
+COLLAR = ((0.8395, 0.0440), (0.8395, 0.0485), (0.8630, 0.0394), (0.8620, 0.0345))
 """Rings of a collar that is folded down."""
 
 LOWER_RINGS, COLLAR_FRONT = 2, (np.radians((0.0, 22.5, 45.0, 90.0)), (-0.017, 0.016, 0.004, 0.0))

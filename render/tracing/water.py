@@ -52,6 +52,10 @@ _FOAM_FROM, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.004, 16.0, 0.85, 0.6
 foam hides where it is thick, for each metre beyond and at most; share of light that it sends
 back."""
 
+_FOAM_UPRIGHT, _FOAM_BESIDE = (0.45, 0.3), 0.25
+"""Height of the normals of ground from which foam lies on it, and by how much more there is all;
+and how much of it is left, in places, beside what is steeper."""
+
 _FOAM_CELLS = (0.31, 0.083)
 """Widths of patches and of bubbles of foam [m]."""
 
@@ -364,11 +368,16 @@ class Water:
         is_seen = interface.is_above & (sample.d.y > 0.0)
         return dr.select(is_seen, arriving * share * density / (4.0 * facing), 0.0)
 
-    def foam_share(self, p: Any, depth: Any) -> Any:
+    def foam_share(self, p: Any, depth: Any, bottom: Any) -> Any:
         """Return the share of the surface that foam hides where water is as deep as this [m].
 
         A ragged line of it lies at the edge and a broken one before that, and both come and go
-        with the waves.
+        with the waves. Beside steep stones, where they would be two thin cords, a faint broken trace is left.
+
+        Args:
+            p: places on the surface [m].
+            depth: of the water there [m].
+            bottom: normals of the ground there.
         """
         patches = noise2(p.x / _FOAM_CELLS[0], p.z / _FOAM_CELLS[0], 71)
         bubbles = noise2(p.x / _FOAM_CELLS[1], p.z / _FOAM_CELLS[1], 72)
@@ -379,7 +388,9 @@ class Water:
         edge = 1.0 - dr.clip(part / 0.45, 0.0, 1.0)
         line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
         thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
-        return self.foam_most * dr.clip(thick * (0.1 + 1.5 * patches * bubbles), 0.0, 1.0)
+        shore = dr.clip((bottom.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
+        shore = dr.maximum(shore, _FOAM_BESIDE * dr.clip(3.0 * patches - 1.0, 0.0, 1.0))
+        return shore * self.foam_most * dr.clip(thick * (0.1 + 1.5 * patches * bubbles), 0.0, 1.0)
 
     def _height(self, x: Any, z: Any) -> Any:
         height = mi.Float(0.0)

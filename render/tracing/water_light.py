@@ -75,7 +75,9 @@ def add_water(
         )
         if pair == BSDF_PAIR:
             depth = dr.minimum(distance, FAR) * dr.abs(direction.y)
-            foam = dr.select(face.is_above, water.foam_share(face.p, depth), 0.0)
+            bottom = hit.compute_surface_interaction(way, mi.RayFlags.Minimal)
+            foam = water.foam_share(face.p, depth, bottom.n)
+            foam = dr.select(face.is_above, foam, 0.0)
             passed, foamy = passed * (1.0 - foam), passed * foam
         if pair == EMITTER_PAIR:
             mirrored = _mirrored_sky(scene, water, face, ray, strata)

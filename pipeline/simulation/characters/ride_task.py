@@ -226,7 +226,8 @@ class RideCarousel(Ride):
         controller.face_to(foot)
         shoulders = shoulder_height(controller)
         level = min(shoulders - HOLDING_LEVEL * controller.arm, float(top[1]) - TOP_MARGIN)
-        if level < shoulders - LOWEST_LEVEL * controller.arm:
+        lowest = shoulders - LOWEST_LEVEL * controller.arm
+        if level < lowest:
             return
         self.leads_hands = True
         nodes = carousel.post_nodes(self.number)
@@ -234,7 +235,7 @@ class RideCarousel(Ride):
             is_late = self.held > HOLDING_TIME and not controller.is_holding(k)
             if is_late:
                 controller.record.arm_mode[k] = SWINGING
-            elif hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
+            elif hold_bar(controller, k, nodes, max(level - k * HANDS_APART, lowest), self.owner):
                 controller.put_hand(k, controller.held_place(k))
 
     def leave(self, controller: PersonController) -> None:

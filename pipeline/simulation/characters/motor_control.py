@@ -168,6 +168,10 @@ def _see_threat(person: Record, dt: float) -> None:
     is_coming = person.threat_time > 0.0 and (person.braces or is_seen)
     is_free = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
     can_turn = not person.frozen and person.posture != SITTING and not is_down(person)
+    is_idle = can_turn and not person.has_goal and not person.has_facing
+    if is_idle and not is_coming and person.known_threat < math.inf:
+        # Who has been pushed faces the other again.
+        person.has_facing, person.facing = True, math.atan2(z, -x)
     person.braces = is_coming and is_free and can_turn
     person.known_threat = person.threat_left if is_coming else math.inf
 

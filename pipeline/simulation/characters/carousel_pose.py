@@ -141,7 +141,11 @@ def _mean(a: Array) -> float:
 
 
 def way_across_rim(
-    controller: PersonController, carousel: CarouselPose, angle: float, goal_distance: float
+    controller: PersonController,
+    carousel: CarouselPose,
+    angle: float,
+    goal_distance: float,
+    lead: float = 0.0,
 ) -> Array | None:
     """Return the next place (3,) on the way between two posts, None once across the rim [m].
 
@@ -150,6 +154,7 @@ def way_across_rim(
         carousel: that is stepped onto, or off.
         angle: of the middle of the gap [rad].
         goal_distance: of the goal from the hub: less than its radius to step on [m].
+        lead: by which the gap turns until the person is there [rad].
     """
     person = controller.record
     own, off = carousel.distance(controller), angle - carousel.angle_of(*person.at)
@@ -160,8 +165,8 @@ def way_across_rim(
     if (goes_in and own < inner + 0.1) or (not goes_in and own > outer - 0.1):
         return None
     if abs(off) > GAP_TOLERANCE:
-        return carousel.place(angle, inner if own < carousel.radius else outer)
-    return carousel.place(angle, inner - 0.2 if goes_in else outer + 0.2)
+        return carousel.place(angle + lead, inner if own < carousel.radius else outer)
+    return carousel.place(angle + lead, inner - 0.2 if goes_in else outer + 0.2)
 
 
 def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]) -> Array | None:

@@ -49,9 +49,11 @@ from pipeline.simulation.characters.person_record import (
     HEAD,
     NODE_COUNT,
     PELVIS,
+    SITTING,
     STANCE,
+    SWINGING,
 )
-from pipeline.simulation.characters.recovery import recover
+from pipeline.simulation.characters.recovery import is_down, recover
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.trip import catch_feet
 from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest, sway_in_place
@@ -96,6 +98,7 @@ MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
 MAX_WALKING_GAZE_YAW = math.radians(65.0)  # against the direction of walking
 STRAIGHT_BACKWARD = math.radians(140.0)  # direction of walking from which either shoulder serves
 WALKING_GAZE_FROUDE = 0.12  # speed from which that holds, in √(g l)
+FEELING_GAZE_FROUDE = 0.05  # beyond that of one that feels its way back, likewise
 MAX_HEAD_SPEED = math.radians(290.0)  # against the pelvis [rad/s]
 CARRY_SPAN = math.radians(20.0)  # turn of the head that is left, from which the trunk carries it
 MAX_GAZE_UP, MAX_GAZE_DOWN = math.radians(45.0), math.radians(50.0)
@@ -121,26 +124,30 @@ def _within_view_of_way(person: Record, aside: float) -> float:
 
     The head turns to the way before the person sets out, and keeps to the present way until it has
     slowed down. A person walking backward looks over a shoulder, unless it only feels its way back
-    before what it keeps facing.
+    before what it keeps facing. One that sees a push coming turns its face away from it.
     """
     goal, velocity = goal_velocity(person), (person.velocity[0], person.velocity[1])
+    if person.braces:
+        source = math.atan2(person.threat[1], -person.threat[0])
+        turned = wrap_angle(person.heading - source)
+        return math.copysign(math.pi - MAX_WALKING_GAZE_YAW, turned) - turned
     if faces_away(person, goal) and not person.startled:
-        return _within_view(person, aside, velocity, BACKWARD_FROUDE)
-    aside = _within_view(person, aside, goal, 0.0)
-    return _within_view(person, aside, velocity, 0.0)
+        return _within_view(person, aside, velocity, BACKWARD_FROUDE, FEELING_GAZE_FROUDE)
+    aside = _within_view(person, aside, goal, 0.0, WALKING_GAZE_FROUDE)
+    return _within_view(person, aside, velocity, 0.0, WALKING_GAZE_FROUDE)
 
 
 @compiled
 def _within_view(
-    person: Record, aside: float, velocity: tuple[float, float], slowest: float
+    person: Record, aside: float, velocity: tuple[float, float], slowest: float, span: float
 ) -> float:
     """Return a gaze yaw against the pelvis that is nearer to the direction of a velocity.
 
-    Only speeds above the slowest one matter, in √(g l).
+    Only speeds above the slowest one matter, and fully from `span` above it, in √(g l).
     """
     way = wrap_angle(math.atan2(-velocity[1], velocity[0]) - person.heading)
     speed = froude(hypotenuse(velocity[0], velocity[1]), leg_length(person))
-    walking = smoothstep(max(speed - slowest, 0.0) / WALKING_GAZE_FROUDE)
+    walking = smoothstep(max(speed - slowest, 0.0) / span)
     gaze = wrap_angle(person.gaze[0] - person.heading)
     if person.startled and person.has_facing:
         # Over the shoulder that turns to the way.
@@ -153,9 +160,27 @@ def _within_view(
 
 
 @compiled
+def _see_threat(person: Record, dt: float) -> None:
+    """Let a person brace itself, hands free, for a push that it sees coming."""
+    person.threat_time = max(person.threat_time - dt, 0.0)
+    x, z = person.threat[0], person.threat[1]
+    is_seen = math.cos(person.gaze[0]) * x - math.sin(person.gaze[0]) * z < 0.0
+    is_coming = person.threat_time > 0.0 and (person.braces or is_seen)
+    is_free = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
+    can_turn = not person.frozen and person.posture != SITTING and not is_down(person)
+    is_idle = can_turn and not person.has_goal and not person.has_facing
+    if is_idle and not is_coming and person.known_threat < math.inf:
+        # Who has been pushed faces the other again.
+        person.has_facing, person.facing = True, math.atan2(z, -x)
+    person.braces = is_coming and is_free and can_turn
+    person.known_threat = person.threat_left if is_coming else math.inf
+
+
+@compiled
 def turn_head(person: Record, dt: float) -> None:
     """Turn the head for `dt` [s]."""
     yaw, pitch = _way_yaw(person), 0.0
+    _see_threat(person, dt)
     if person.has_look_target:
         x = person.look_at[0] - person.targets[HEAD, 0]
         y = person.look_at[1] - person.targets[HEAD, 1]

@@ -35,6 +35,7 @@ WITHDRAWAL_TIME = 0.8  # [s]
 WITHDRAWAL_DISTANCE = 1.4  # [m]
 WITHDRAWAL_FROUDE = 0.42  # pace, in √(g l)
 WITHDRAWAL_FACING = math.radians(60.0)  # from the striker to where a person faces meanwhile
+STRAIGHT_BACK = math.radians(155.0)  # from the striker to a way on which either shoulder serves
 WITHDRAWAL_TURNS = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
 """Directions tried aside from straight away [rad]."""
 
@@ -67,16 +68,20 @@ def step_back_goal(
     return next((goal for goal in goals if is_free(goal)), goals[0])
 
 
-def withdrawal_facing(heading: float, to_striker: float) -> float:
+def withdrawal_facing(heading: float, to_striker: float, way: float) -> float:
     """Return where a person faces that steps back from pain [rad].
 
-    It turns a shoulder to the striker, the nearer one, so that it sees where it steps.
+    It turns a shoulder to the striker, so that it sees where it steps: the one that turns it to its
+    way, or the nearer one where it goes straight back.
 
     Args:
         heading: of the person [rad].
         to_striker: direction of the source of the pain [rad].
+        way: direction in which it steps back [rad].
     """
-    turned = math.remainder(heading - to_striker, 2.0 * math.pi)
+    turned = math.remainder(way - to_striker, 2.0 * math.pi)
+    if abs(turned) > STRAIGHT_BACK:
+        turned = math.remainder(heading - to_striker, 2.0 * math.pi)
     return to_striker + math.copysign(WITHDRAWAL_FACING, turned)
 
 
@@ -200,7 +205,8 @@ class PainReflexes:
                 place = dispatcher.view.pelvis(reflex.striker)
                 x, z = place[0] - record.at[0], place[2] - record.at[1]
                 record.has_facing = True
-                record.facing = withdrawal_facing(float(record.heading), math.atan2(-z, x))
+                way = math.atan2(record.at[1] - reflex.goal[1], reflex.goal[0] - record.at[0])
+                record.facing = withdrawal_facing(float(record.heading), math.atan2(-z, x), way)
             else:
                 self._resume(k)
         if now < reflex.flinch_end:
@@ -221,6 +227,9 @@ class PainReflexes:
         kept = WALK_FIELDS if dispatcher.task(k) is walk.task else ("pace",)
         for name in kept:
             record[name] = walk.state[name]
+        if walk.task is None and not record.has_goal and not record.has_facing:
+            controller = dispatcher.controllers[k]
+            controller.face_to(controller.view.pelvis(reflex.striker))
 
 
 def _is_held(controller: PersonController, owner: int) -> bool:

@@ -40,6 +40,8 @@ LATE_GAIN = 0.12  # of one that others have held up, beyond its pace
 ARRIVAL_DISTANCE = 0.08  # in leg lengths
 MAX_YAW_RATE = 2.6  # [rad/s]
 STARTLED_HASTE = 2.2  # of the turn of one that starts back, relative to others
+BRACED_TURN = math.radians(60.0)  # of one that is about to be pushed, from who pushes it
+BLIND_TURN = math.radians(90.0)  # of the gaze from the way, from which one feels its way
 CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
 STEP_EASE = 0.6  # at the edge of a deck
 SLOPE_FACTOR, EASIEST_SLOPE = 3.5, 0.05  # of Tobler's hiking function
@@ -125,6 +127,13 @@ def _walk_vector(person: Record) -> tuple[float, float]:
             # It feels its way, for it does not see where it steps.
             share = min(BACKWARD_FROUDE * math.sqrt(GRAVITY * leg_length(person)) / speed, 1.0)
             wx, wz = wx * share, wz * share
+    speed = hypotenuse(wx, wz)
+    if person.startled and speed > 1e-6:
+        # The head turns first, for it sees where it starts back to.
+        turn = abs(wrap_angle(math.atan2(-wz, wx) - person.gaze[0]))
+        if turn > BLIND_TURN:
+            share = min(BACKWARD_FROUDE * math.sqrt(GRAVITY * leg_length(person)) / speed, 1.0)
+            wx, wz = wx * share, wz * share
     return wx, wz
 
 
@@ -193,6 +202,11 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     if person.frozen or person.posture == SITTING:
         target = person.heading
     haste = STARTLED_HASTE if person.startled else 1.0
+    if person.braces:
+        # It takes the push with a shoulder, the nearer one.
+        source = math.atan2(person.threat[1], -person.threat[0])
+        turned = wrap_angle(person.heading - source)
+        target, haste = source + math.copysign(BRACED_TURN, turned), STARTLED_HASTE
     most = haste * MAX_YAW_RATE
     rate = min(max(3.2 * haste * wrap_angle(target - person.heading), -most), most)
     gain, limit = 9.0 * haste, 14.0 * haste * haste

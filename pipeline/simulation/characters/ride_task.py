@@ -38,6 +38,7 @@ BOARDING_SPEED = 0.6  # of the rim of a merry-go-round, above which nobody steps
 BOARDING_PATIENCE = 5.0  # of a person that waits until it turns more slowly [s]
 ANNOUNCING_DISTANCE = 2.0  # from the rim within which pushers see that somebody comes [m]
 COMING_TIME = 0.4  # by which a person sees where a gap between posts will be [s]
+CROSSING_LEAD = 0.2  # by which a person on its way through a gap walks to where that will be [s]
 STILL_RATE = 0.08  # of a merry-go-round below which a person goes to the gap [rad/s]
 STEPPING_TIME = 5.0  # without coming nearer to its place on a deck [s]
 HOLDING_REACH = 0.62  # of a post before a rider, in arm lengths
@@ -187,8 +188,11 @@ class RideCarousel(Ride):
             controller.face_to(carousel.hub)
             return
         gap = carousel.angle + self.gap
+        # Who walks to where the gap is now is late, and a knee swings into the post.
+        is_beside = controller.record.deck_share == 0.0
+        lead = CROSSING_LEAD * carousel.rate if is_beside else 0.0
         self.pace = abs(carousel.rate) * carousel.radius + CLOSING_RATE
-        way = way_across_rim(controller, carousel, gap, 0.0)
+        way = way_across_rim(controller, carousel, gap, 0.0, lead)
         self.is_aboard = way is None
         if way is None:
             self.pace, self.progress = 0.0, TaskProgress()
@@ -226,7 +230,8 @@ class RideCarousel(Ride):
         controller.face_to(foot)
         shoulders = shoulder_height(controller)
         level = min(shoulders - HOLDING_LEVEL * controller.arm, float(top[1]) - TOP_MARGIN)
-        if level < shoulders - LOWEST_LEVEL * controller.arm:
+        lowest = shoulders - LOWEST_LEVEL * controller.arm
+        if level < lowest:
             return
         self.leads_hands = True
         nodes = carousel.post_nodes(self.number)
@@ -234,7 +239,7 @@ class RideCarousel(Ride):
             is_late = self.held > HOLDING_TIME and not controller.is_holding(k)
             if is_late:
                 controller.record.arm_mode[k] = SWINGING
-            elif hold_bar(controller, k, nodes, level - k * HANDS_APART, self.owner):
+            elif hold_bar(controller, k, nodes, max(level - k * HANDS_APART, lowest), self.owner):
                 controller.put_hand(k, controller.held_place(k))
 
     def leave(self, controller: PersonController) -> None:

@@ -56,6 +56,8 @@ ARMS_MASS = 2.0 * sum(SEGMENT_MASSES[name] for name in ("upper_arm", "forearm", 
 STRIKING_SPEED = 2.5  # of palms at most that push and do not punch [m/s]
 TRUNK_LENGTH = 0.29  # from the pelvis to the shoulders, in heights
 UNBRACED = 0.25  # part of the momentum that the feet do not bear
+BRACING_TIME = 0.35  # for which whoever sees the hands drawn back braces for the push [s]
+YIELDING_TIME = 0.03  # by which the other strikes first, from which one braces instead [s]
 
 
 @dataclass
@@ -162,6 +164,11 @@ class Grapple(Task):
             _lower_hands(controller)
             return
         self.drawn += dt
+        if float(controller.record.known_threat) < self.drawing_time - self.drawn - YIELDING_TIME:
+            # The other is first.
+            self.drawn = 0.0
+            _lower_hands(controller)
+            return
         ahead = controller.ahead
         right = np.array([-ahead[2], 0.0, ahead[0]])
         forth, up, inward = (size * controller.arm for size in DRAWN)
@@ -172,6 +179,7 @@ class Grapple(Task):
                 place[1] += up
                 controller.put_hand(k, place)
         partner = controller.view.pelvis(self.owner)
+        self._threaten(controller)
         turn = float(controller.direction_to(partner) @ ahead)
         is_facing = turn > math.cos(SHOVING_TOLERANCE)
         if is_facing and self.drawn > self.drawing_time and left < STRIKING_RANGE * controller.arm:
@@ -189,6 +197,7 @@ class Grapple(Task):
         """Stretch the arms to the chest and beyond, and push while the palms are there."""
         self.struck += dt
         ahead = controller.direction_to(chest)
+        self._threaten(controller)
         self.most_pace = math.inf
         controller.go(chest[0], chest[2], LUNGE * self._range(controller, chest), self.owner)
         right = np.array([-ahead[2], 0.0, ahead[0]])
@@ -210,6 +219,16 @@ class Grapple(Task):
             self._push(controller, ahead)
         # In the next step a chest may have stopped them already.
         self.palm_speed = self._palm_speed(controller)
+
+    def _threaten(self, controller: PersonController) -> None:
+        """Tell the person of the push: it turns a shoulder to it, and the face away."""
+        person = controller.view.persons.get(self.owner)
+        if person is None:
+            return
+        way = controller.direction_to(controller.view.pelvis(self.owner))
+        person.threat[0], person.threat[1] = way[0], way[2]
+        person.threat_left = 0.0 if self.struck > 0.0 else self.drawing_time - self.drawn
+        person.threat_time = BRACING_TIME
 
     def _is_at_chest(self, controller: PersonController, k: int) -> bool:
         """Tell whether a palm is at the trunk of the character."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation.characters.pain_reflex import withdrawal_facing
 from pipeline.simulation.characters.person_record import PLACED
 from pipeline.spec import read_scene
 from tests.simulation.characters.mind_scenes import simulation, troupe
@@ -72,6 +74,15 @@ def test_pain_beyond_what_an_obedient_person_bears_makes_it_step_back(
     course = struck(obedience, pain, "stand", 1.5)
     assert (course.least < -0.25) == steps_back
     assert course.shields == flinches
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_steps_back_aside_turns_to_its_way(side: float) -> None:
+    way = side * np.radians(110.0)
+    for heading in (-1.0, 0.0, 1.0):
+        assert abs(withdrawal_facing(heading, 0.0, way) - way) < np.radians(60.0)
+    # Straight back either shoulder serves: the nearer one.
+    assert withdrawal_facing(0.2 * side, 0.0, np.pi) * side > 0.0
 
 
 def test_an_order_goes_on_after_a_withdrawal() -> None:

@@ -63,6 +63,24 @@ def test_a_small_child_shoves_the_belly_of_a_tall_adult() -> None:
     assert pushed[-1, 0] - pushed[0, 0] > 0.02
 
 
+@pytest.mark.parametrize("sees_it", [True, False])
+def test_who_sees_a_push_coming_turns_away_from_it(sees_it: bool) -> None:
+    scene = SCENE.replace("duration: 2.6", "duration: 3.6")
+    play = play_scene(scene if sees_it else scene.replace("heading_deg: 180", "heading_deg: 0"))
+    pushed = play.joint("b", "pelvis")
+    speeds = np.diff(pushed[:, 0]) * STEPS
+    first = int(np.argmax(speeds > 0.4))
+    # A push goes along X: to its side is where the cosine is least.
+    headings, gazes = play.records["heading"][:, 1], play.records["gaze"][:, 1, 0]
+    if sees_it:
+        # A shoulder takes it, the face is turned away; then the person faces the other again.
+        assert abs(np.cos(headings[first])) < np.cos(np.radians(40.0))
+        assert (np.cos(gazes[first : first + round(0.3 * STEPS)]) > -0.1).all()
+        assert np.cos(gazes[-1]) < -0.9
+    else:
+        assert np.cos(headings[first]) > 0.9
+
+
 @pytest.mark.nightly
 def test_rivals_look_where_they_go() -> None:
     made = Simulation(load_scene(SCENES / "fight.yaml"))
@@ -78,4 +96,4 @@ def test_rivals_look_where_they_go() -> None:
     ahead = velocity[..., 0] * np.cos(gaze) - velocity[..., 1] * np.sin(gaze)
     walking = walks.sum(axis=0)
     assert (walking * made.world.clock.dt > 6.0).all()
-    assert ((walks & (ahead < 0.0)).sum(axis=0) < 0.1 * walking).all()
+    assert ((walks & (ahead < 0.0)).sum(axis=0) < 0.03 * walking).all()

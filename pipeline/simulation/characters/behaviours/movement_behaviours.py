@@ -190,10 +190,11 @@ class Withdraw(ConfiguredBehaviour[Urge]):
         away = math.atan2(-offset[1], -offset[0])
         bounds = mind.surroundings.low, mind.surroundings.high
         goal = step_back_goal(mind.at, away, bounds, lambda place: is_way_free(mind, place))
+        way = math.atan2(mind.at[1] - goal[1], goal[0] - mind.at[0])
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),
             pace=WITHDRAWAL_FROUDE * mind.froude_speed,
-            facing=withdrawal_facing(heading, math.atan2(-offset[1], offset[0])),
+            facing=withdrawal_facing(heading, math.atan2(-offset[1], offset[0]), way),
             target=striker,
             startled=True,
         )

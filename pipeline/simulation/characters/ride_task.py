@@ -23,7 +23,13 @@ from pipeline.simulation.characters.deck_choice import deck_height
 from pipeline.simulation.characters.deck_motion import HIGHEST_STEP
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
-from pipeline.simulation.characters.person_tasks import Approach, Task, place_text, shoulder_height
+from pipeline.simulation.characters.person_tasks import (
+    WALKING_INTERVAL,
+    Approach,
+    Task,
+    place_text,
+    shoulder_height,
+)
 from pipeline.simulation.characters.pursuit_tasks import CLOSING_RATE
 from pipeline.simulation.characters.seat_task import (
     NEIGHBOUR_SPACE,
@@ -104,6 +110,7 @@ class RideCarousel(Ride):
         owner: its number.
         waited: time for which it has turned too fast [s].
         held: time since the hands are sent to the post [s].
+        is_coming: whether the person is still away from the rim.
         gap: angle of the gap to step through from the first post, None before [rad].
         is_aboard: whether it has come through the gap.
     """
@@ -111,6 +118,7 @@ class RideCarousel(Ride):
     owner: int
     waited: float = field(default=0.0, init=False)
     held: float = field(default=0.0, init=False)
+    is_coming: bool = field(default=False, init=False)
     gap: float | None = field(default=None, init=False)
     is_aboard: bool = field(default=False, init=False)
 
@@ -122,8 +130,8 @@ class RideCarousel(Ride):
     @property
     def interval(self) -> int:
         """See `Task`; holding on is steady, for the deck carries what the person faces."""
-        if not self.is_there:
-            return 1
+        if self.is_coming:
+            return WALKING_INTERVAL
         return HOLDING_INTERVAL if self.held > HOLDING_TIME else CLOSING_INTERVAL
 
     def slot_distance(self, controller: PersonController) -> float:
@@ -141,6 +149,7 @@ class RideCarousel(Ride):
         """See `Task`."""
         carousel = carousel_pose(controller.view, self.owner)
         self._announce(controller, carousel)
+        self.is_coming = False
         if self.is_there:
             self._hold_on(controller, carousel, dt)
             self.is_lost = controller.record.deck_share < LOST_DECK
@@ -150,6 +159,7 @@ class RideCarousel(Ride):
                 self._go_to_post(controller, carousel, self.number, dt)
             return False
         if controller.record.deck_share == 0.0 and not self._is_at_rim(controller, carousel):
+            self.is_coming = True
             own = carousel.angle_of(*controller.record.at)
             place = carousel.place(own, carousel.radius + controller.body_radius + OUTSIDE)
             reason = self.approach.walk_to(controller, place, 0.0, self.owner, dt)

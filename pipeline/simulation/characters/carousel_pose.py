@@ -171,7 +171,7 @@ def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]
     whose goal is on it.
     """
     person = controller.record
-    if person.deck < 0 or person.deck_share == 0.0:
+    if person.deck_share == 0.0 or person.deck < 0:
         return None
     carousel = carousel_pose(controller.view, int(person.deck))
     distance = math.dist(goal, carousel.hub[[0, 2]])

@@ -300,17 +300,18 @@ class Grab(Task):
 
     def _close_hands(self, controller: PersonController, dt: float) -> None:
         """Send hands to their nodes, and close each that is there."""
-        p, height = controller.view.p, controller.record.height
-        radius = controller.ball_radius(self.owner)
+        height, radius = controller.record.height, controller.ball_radius(self.owner)
         self.time += dt
         closing = GRAB_DISTANCE if self.time < PATIENCE else PATIENT_GRAB_DISTANCE
         farthest = 0.0
         for k in self.hands:
             node = self.nodes[k]
-            # A ball is taken from this side.
-            place = p[node] - radius * controller.direction_to(p[node])
+            middle = place = controller.view.p[node]
+            if radius > 0.0:
+                # A ball is taken from this side.
+                place = middle - radius * controller.direction_to(middle)
             controller.put_hand(k, place + lift_over_knees(controller, k, place))
-            distance = math.dist(controller.hand(k), p[node])
+            distance = math.dist(controller.hand(k).tolist(), middle.tolist())
             if not controller.is_holding(k):
                 farthest = max(farthest, distance)
             if distance < closing * height + radius:

@@ -160,7 +160,7 @@ class RideCarousel(Ride):
             return False
         if controller.record.deck_share == 0.0 and not self._is_at_rim(controller, carousel):
             self.is_coming = True
-            own = carousel.angle_of(*controller.record.at)
+            own = carousel.angle_of(*controller.record.at.tolist())
             place = carousel.place(own, carousel.radius + controller.body_radius + OUTSIDE)
             reason = self.approach.walk_to(controller, place, 0.0, self.owner, dt)
             self.stick(reason, self.approach)
@@ -185,7 +185,7 @@ class RideCarousel(Ride):
 
     def _step_on(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Step through the gap that is there, or that comes by."""
-        own = carousel.angle_of(*controller.record.at)
+        own = carousel.angle_of(*controller.record.at.tolist())
         if controller.record.deck_share == 0.0 and not controller.record.stepping:
             self.gap = None
         if self.gap is None:

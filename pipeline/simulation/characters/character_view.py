@@ -17,7 +17,7 @@ from pipeline.simulation.characters.body_arrays import (
     IntArray,
 )
 from pipeline.simulation.characters.deck_choice import Decks
-from pipeline.simulation.characters.held_bar import find_held_place
+from pipeline.simulation.characters.held_bar import find_held_place, push_node
 from pipeline.simulation.characters.hurdles import STILL_SPEED
 from pipeline.simulation.characters.person_record import HEAD, KNEE, PELVIS, SHOULDERS
 from pipeline.simulation.characters.queues import Queues
@@ -229,6 +229,11 @@ class CharacterView:
         """Return (n, 3) the nodes of a character [m]."""
         first, count = self._spans[owner]
         return self.p[first : first + count]
+
+    @cached_property
+    def push_node(self) -> Callable[[int, Array, float], None]:
+        """Pushes a node, by its number, with an impulse (3,) [N s], for sub-steps [s]."""
+        return bound(push_node, self.arrays.nodes, examples=(0, np.zeros(3), 1.0))
 
     def first_node(self, owner: int) -> int:
         """Return the number of the first node of a character."""

@@ -12,7 +12,6 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, IntArray
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.deck_choice import deck_height
-from pipeline.simulation.characters.held_bar import push_node
 from pipeline.simulation.characters.hurdles import DEEPEST_STEP_OVER, HIGHEST_STEP_OVER
 from pipeline.simulation.characters.person_record import (
     HAND,
@@ -383,7 +382,7 @@ class PersonController:
     def push_bar(self, nodes: tuple[int, int], force: Array, dt: float) -> None:
         """Push a bar between two nodes with a force (3,) for a step [N], [s]."""
         for node in nodes:
-            push_node(self.view.arrays.nodes, node, 0.5 * dt * force, self.view.sub_step)
+            self.view.push_node(node, 0.5 * dt * force, self.view.sub_step)
         self.view.decks.forget_rates()
 
     def part_from_bars(self, dt: float) -> None:

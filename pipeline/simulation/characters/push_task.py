@@ -267,14 +267,14 @@ class PushRound(Task):
             own = level if k == 0 else max(level - HANDS_APART, min(level, upright))
             if hold_bar(controller, k, nodes, own, self.owner):
                 place = controller.held_place(k)
-                stretch = math.dist(controller.shoulder(k), place)
+                stretch = math.dist(controller.shoulder(k).tolist(), place.tolist())
                 # Who bows to push would walk with bent knees.
                 place[1] = max(float(place[1]), upright)
                 controller.put_hand(k, place)
                 holds += 1
                 if stretch > LONGEST_STRETCH * controller.arm:
                     controller.let_go(k)
-        mass = float(controller.view.arrays.owners["mass"][person.owner])
+        mass = controller.view.masses[controller.owner]
         if holds:
             controller.push_bar(nodes, effort * PUSH_FORCE * mass * GRAVITY * ahead, dt)
         return holds > 0

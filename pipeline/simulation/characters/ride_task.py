@@ -268,7 +268,7 @@ def hold_bar(
     view = controller.view
     held = controller.held_node(k)
     if held >= 0:
-        return int(view.arrays.nodes["owner"][held]) == owner
+        return view.owner_of_node[held] == owner
     if controller.is_holding(k):
         return False
     low, high = view.p[nodes[0]], view.p[nodes[1]]
@@ -288,7 +288,7 @@ def release_bars(controller: PersonController, owner: int) -> None:
     """Open the hands that hold a thing, and let the others sink that reach for it."""
     for k in range(2):
         held = controller.held_node(k)
-        if held >= 0 and int(controller.view.arrays.nodes["owner"][held]) == owner:
+        if held >= 0 and controller.view.owner_of_node[held] == owner:
             controller.let_go(k)
         elif not controller.is_holding(k):
             controller.record.arm_mode[k] = SWINGING

@@ -111,6 +111,7 @@ class RideCarousel(Ride):
         waited: time for which it has turned too fast [s].
         held: time since the hands are sent to the post [s].
         is_coming: whether the person is still away from the rim.
+        is_still: whether the merry-go-round hardly turns.
         gap: angle of the gap to step through from the first post, None before [rad].
         is_aboard: whether it has come through the gap.
     """
@@ -119,6 +120,7 @@ class RideCarousel(Ride):
     waited: float = field(default=0.0, init=False)
     held: float = field(default=0.0, init=False)
     is_coming: bool = field(default=False, init=False)
+    is_still: bool = field(default=False, init=False)
     gap: float | None = field(default=None, init=False)
     is_aboard: bool = field(default=False, init=False)
 
@@ -129,9 +131,14 @@ class RideCarousel(Ride):
 
     @property
     def interval(self) -> int:
-        """See `Task`; holding on is steady, for the deck carries what the person faces."""
+        """See `Task`; who steps onto what turns is led closely, but holding on is steady.
+
+        The deck carries what the person faces.
+        """
         if self.is_coming:
             return WALKING_INTERVAL
+        if not self.is_there:
+            return CLOSING_INTERVAL if self.is_still else 1
         return HOLDING_INTERVAL if self.held > HOLDING_TIME else CLOSING_INTERVAL
 
     def slot_distance(self, controller: PersonController) -> float:
@@ -154,6 +161,7 @@ class RideCarousel(Ride):
             self._hold_on(controller, carousel, dt)
             self.is_lost = controller.record.deck_share < LOST_DECK
             return self.held > HOLDING_TIME
+        self.is_still = abs(carousel.rate) < STILL_RATE
         if self.is_aboard:
             if self.number is not None:
                 self._go_to_post(controller, carousel, self.number, dt)

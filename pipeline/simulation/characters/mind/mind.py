@@ -206,7 +206,7 @@ class Mind:
     def is_on_terrain(self, place: Sequence[float] | Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        x, z = float(place[0]), float(place[1])
+        x, z = place
         is_inside = low_x + margin < x < high_x - margin
         return bool(is_inside and low_z + margin < z < high_z - margin)
 
@@ -217,8 +217,13 @@ class Mind:
     def nearest_on_terrain(self, x: float, z: float) -> tuple[float, float]:
         """Return x and z of the nearest place that can be walked to [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        m = EDGE_MARGIN
-        return min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)
+        low_x, low_z, high_x, high_z = (
+            *(low_x + EDGE_MARGIN, low_z + EDGE_MARGIN),
+            *(high_x - EDGE_MARGIN, high_z - EDGE_MARGIN),
+        )
+        if low_x <= x <= high_x and low_z <= z <= high_z:
+            return x, z
+        return min(max(x, low_x), high_x), min(max(z, low_z), high_z)
 
     def record_of(self, owner: int) -> Record | None:
         """Return the record of an acting person, None of another character."""

@@ -98,12 +98,12 @@ class PersonController:
 
     def ground_distance(self, place: Array) -> float:
         """Return the horizontal distance to a place [m]."""
-        at, x, _, z = self.record.at, *place.tolist()
+        at, (x, _, z) = self.record.at, place.tolist()
         return math.hypot(x - at.item(0), z - at.item(1))
 
     def direction_to(self, place: Array) -> Array:
         """Return the level unit vector (3,) to a place."""
-        at, x, _, z = self.record.at, *place.tolist()
+        at, (x, _, z) = self.record.at, place.tolist()
         x, z = x - at.item(0), z - at.item(1)
         size = math.hypot(x, z)
         return self.ahead if size < 1e-9 else np.array([x / size, 0.0, z / size])
@@ -187,7 +187,7 @@ class PersonController:
 
     def face_to(self, place: Array) -> None:
         """Turn to a place."""
-        at, x, _, z = self.record.at, *place.tolist()
+        at, (x, _, z) = self.record.at, place.tolist()
         x, z = x - at.item(0), z - at.item(1)
         self.turn_to(math.atan2(-z, x))
 

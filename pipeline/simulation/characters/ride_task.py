@@ -24,7 +24,6 @@ from pipeline.simulation.characters.deck_motion import HIGHEST_STEP
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import (
-    WALKING_INTERVAL,
     Approach,
     Task,
     place_text,
@@ -110,8 +109,7 @@ class RideCarousel(Ride):
         owner: its number.
         waited: time for which it has turned too fast [s].
         held: time since the hands are sent to the post [s].
-        is_coming: whether the person is still away from the rim.
-        is_still: whether the merry-go-round hardly turns.
+        is_at_still_rim: whether it is at the rim, or beyond, of what hardly turns.
         gap: angle of the gap to step through from the first post, None before [rad].
         is_aboard: whether it has come through the gap.
     """
@@ -119,8 +117,7 @@ class RideCarousel(Ride):
     owner: int
     waited: float = field(default=0.0, init=False)
     held: float = field(default=0.0, init=False)
-    is_coming: bool = field(default=False, init=False)
-    is_still: bool = field(default=False, init=False)
+    is_at_still_rim: bool = field(default=False, init=False)
     gap: float | None = field(default=None, init=False)
     is_aboard: bool = field(default=False, init=False)
 
@@ -135,10 +132,8 @@ class RideCarousel(Ride):
 
         The deck carries what the person faces.
         """
-        if self.is_coming:
-            return WALKING_INTERVAL
         if not self.is_there:
-            return CLOSING_INTERVAL if self.is_still else 1
+            return CLOSING_INTERVAL if self.is_at_still_rim else 1
         return HOLDING_INTERVAL if self.held > HOLDING_TIME else CLOSING_INTERVAL
 
     def slot_distance(self, controller: PersonController) -> float:
@@ -156,23 +151,24 @@ class RideCarousel(Ride):
         """See `Task`."""
         carousel = carousel_pose(controller.view, self.owner)
         self._announce(controller, carousel)
-        self.is_coming = False
+        self.is_at_still_rim = False
         if self.is_there:
             self._hold_on(controller, carousel, dt)
             self.is_lost = controller.record.deck_share < LOST_DECK
             return self.held > HOLDING_TIME
-        self.is_still = abs(carousel.rate) < STILL_RATE
+        is_still = abs(carousel.rate) < STILL_RATE
         if self.is_aboard:
+            self.is_at_still_rim = is_still
             if self.number is not None:
                 self._go_to_post(controller, carousel, self.number, dt)
             return False
         if controller.record.deck_share == 0.0 and not self._is_at_rim(controller, carousel):
-            self.is_coming = True
             own = carousel.angle_of(*controller.record.at.tolist())
             place = carousel.place(own, carousel.radius + controller.body_radius + OUTSIDE)
             reason = self.approach.walk_to(controller, place, 0.0, self.owner, dt)
             self.stick(reason, self.approach)
         elif self._may_board(controller, carousel, dt):
+            self.is_at_still_rim = is_still
             self._step_on(controller, carousel, dt)
         return False
 

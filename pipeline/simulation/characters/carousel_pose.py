@@ -61,7 +61,7 @@ class CarouselPose:
 
     def angle_of(self, x: float, z: float) -> float:
         """Return the angle of a position about the hub [rad]."""
-        return math.atan2(-(z - self.hub[2]), x - self.hub[0])
+        return math.atan2(-(z - self.hub.item(2)), x - self.hub.item(0))
 
     def post_angle(self, number: int) -> float:
         """Return the angle of a post [rad]."""
@@ -74,9 +74,8 @@ class CarouselPose:
 
     def place(self, angle: float, distance: float) -> Array:
         """Return the place (3,) at an angle and a distance from the hub, on its level [m]."""
-        across = np.array([math.cos(angle), 0.0, -math.sin(angle)])
-        place: Array = self.hub + distance * across
-        return place
+        x, y, z = self.hub.tolist()
+        return np.array([x + distance * math.cos(angle), y, z - distance * math.sin(angle)])
 
     def distance(self, controller: PersonController) -> float:
         """Return the distance of a person from the hub [m]."""
@@ -91,7 +90,7 @@ def carousel_pose(view: CharacterView, owner: int) -> CarouselPose:
     """Return a merry-go-round as it stands now."""
     pose = view.decks.poses.get(owner)
     if pose is None:
-        first = int(view.arrays.owners["nodes"][owner, 0])
+        first = view.first_node(owner)
         nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
         p, (radius, angle) = nodes["p"].copy(), _measure_deck(nodes)
         ends = p[2 : 2 + SPOKES], p[2 + SPOKES :]
@@ -157,7 +156,7 @@ def way_across_rim(
         lead: by which the gap turns until the person is there [rad].
     """
     person = controller.record
-    own, off = carousel.distance(controller), angle - carousel.angle_of(*person.at)
+    own, off = carousel.distance(controller), angle - carousel.angle_of(*person.at.tolist())
     off = math.remainder(off, 2.0 * math.pi)
     outer = carousel.radius + controller.body_radius + OUTSIDE
     inner = carousel.radius - INSIDE
@@ -176,13 +175,13 @@ def way_off_deck(controller: PersonController, goal: Array | tuple[float, float]
     whose goal is on it.
     """
     person = controller.record
-    if person.deck < 0 or person.deck_share == 0.0:
+    if person.deck_share == 0.0 or person.deck < 0:
         return None
     carousel = carousel_pose(controller.view, int(person.deck))
     distance = math.dist(goal, carousel.hub[[0, 2]])
     if distance < carousel.radius:
         return None
     controller.view.decks.leaving[int(person.deck)].add(int(person.owner))
-    gap = carousel.gap_angle(carousel.angle_of(*person.at))
+    gap = carousel.gap_angle(carousel.angle_of(*person.at.tolist()))
     way = way_across_rim(controller, carousel, gap, distance)
     return None if way is None else way[[0, 2]]

@@ -17,6 +17,7 @@ from pipeline.simulation.characters.body_arrays import (
     IntArray,
 )
 from pipeline.simulation.characters.deck_choice import Decks
+from pipeline.simulation.characters.held_bar import find_held_place, push_node
 from pipeline.simulation.characters.hurdles import STILL_SPEED
 from pipeline.simulation.characters.person_record import HEAD, KNEE, PELVIS, SHOULDERS
 from pipeline.simulation.characters.queues import Queues
@@ -142,7 +143,33 @@ class CharacterView:
 
     def owner(self, name: str) -> int:
         """Return the number of a character, NOBODY for a member of another room."""
-        return self.names.index(name) if name in self.names else NOBODY
+        return self._numbers.get(name, NOBODY)
+
+    @cached_property
+    def _numbers(self) -> Mapping[str, int]:
+        return {name: k for k, name in enumerate(self.names)}
+
+    @cached_property
+    def owner_of_node(self) -> tuple[int, ...]:
+        """(N,) the character of each node."""
+        return tuple(self.arrays.nodes["owner"].tolist())
+
+    @cached_property
+    def ball_radii(self) -> tuple[float, ...]:
+        """(C,) radius of each ball, 0 of other characters [m]."""
+        radii = self.arrays.nodes["radius"]
+        return tuple(float(radii[first]) if count == 1 else 0.0 for first, count in self._spans)
+
+    @cached_property
+    def masses(self) -> tuple[float, ...]:
+        """(C,) of all characters [kg]."""
+        return tuple(self.arrays.owners["mass"].tolist())
+
+    @cached_property
+    def find_held_place(self) -> Callable[[int, Array], None]:
+        """Sets a place (3,) to that on a node or a bar at which a grip, by its number, holds it."""
+        known = self.arrays.nodes, self.arrays.grips
+        return bound(find_held_place, *known, examples=(0, np.zeros(3)))
 
     def is_ball(self, owner: int) -> bool:
         """Tell whether a character is a ball: a single node."""
@@ -202,6 +229,15 @@ class CharacterView:
         """Return (n, 3) the nodes of a character [m]."""
         first, count = self._spans[owner]
         return self.p[first : first + count]
+
+    @cached_property
+    def push_node(self) -> Callable[[int, Array, float], None]:
+        """Pushes a node, by its number, with an impulse (3,) [N s], for sub-steps [s]."""
+        return bound(push_node, self.arrays.nodes, examples=(0, np.zeros(3), 1.0))
+
+    def first_node(self, owner: int) -> int:
+        """Return the number of the first node of a character."""
+        return self._spans[owner][0]
 
     def _joint(self, owner: int, joint: int) -> Array:
         """Return (3,) a joint of a person, or the middle of a thing [m]."""

@@ -11,6 +11,7 @@ from pipeline.simulation.characters.grasp import lift_over_knees
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import (
+    WALKING_INTERVAL,
     Approach,
     Task,
     place_text,
@@ -46,6 +47,7 @@ STOPPING_SLACK, STOPPED_SLACK = 0.12, 0.2
 """Distance beyond the range of hands at which a person stops, and sets out again, in arms."""
 
 GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
+CLOSING_INTERVAL, HELD_INTERVAL = 2, 4  # of commands while hands close, and after that [steps]
 
 
 @dataclass
@@ -160,6 +162,8 @@ class Grab(Task):
         progress: of the hands.
         standoff: from low things.
         joins: whether one hand brings what it has to the other.
+        is_walking: whether the person goes up to it.
+        is_held: whether all hands hold it.
     """
 
     hands: tuple[int, ...]
@@ -171,6 +175,15 @@ class Grab(Task):
     progress: TaskProgress = field(default_factory=TaskProgress)
     standoff: Standoff = field(default_factory=Standoff)
     joins: bool = False
+    is_walking: bool = False
+    is_held: bool = False
+
+    @property
+    def interval(self) -> int:
+        """See `Task`; hands that close are led more closely than legs."""
+        if self.is_held:
+            return HELD_INTERVAL
+        return WALKING_INTERVAL if self.is_walking else CLOSING_INTERVAL
 
     def asks_for(self, controller: PersonController) -> str:
         """See `Task`; what is light is handed over, heavy things are held by several."""
@@ -184,7 +197,8 @@ class Grab(Task):
         """See `Task`."""
         person, p = controller.record, controller.view.p
         self.nodes = self.nodes or self._choose_nodes(controller)
-        if all(controller.held_node(k) >= 0 for k in self.hands):
+        self.is_held, self.is_walking = all(controller.held_node(k) >= 0 for k in self.hands), False
+        if self.is_held:
             self.joins = self.leads_hands = False
             return True
         first = p[self.nodes[self.hands[0]]]
@@ -205,6 +219,7 @@ class Grab(Task):
             self._join_hands(controller, held, dt)
             return False
         if is_walking and not self.standoff.is_stepping:
+            self.is_walking = True
             if self.part is None:
                 self.nodes.clear()
             for k in self.hands:
@@ -285,17 +300,18 @@ class Grab(Task):
 
     def _close_hands(self, controller: PersonController, dt: float) -> None:
         """Send hands to their nodes, and close each that is there."""
-        p, height = controller.view.p, controller.record.height
-        radius = controller.ball_radius(self.owner)
+        height, radius = controller.record.height, controller.ball_radius(self.owner)
         self.time += dt
         closing = GRAB_DISTANCE if self.time < PATIENCE else PATIENT_GRAB_DISTANCE
         farthest = 0.0
         for k in self.hands:
             node = self.nodes[k]
-            # A ball is taken from this side.
-            place = p[node] - radius * controller.direction_to(p[node])
+            middle = place = controller.view.p[node]
+            if radius > 0.0:
+                # A ball is taken from this side.
+                place = middle - radius * controller.direction_to(middle)
             controller.put_hand(k, place + lift_over_knees(controller, k, place))
-            distance = math.dist(controller.hand(k), p[node])
+            distance = math.dist(controller.hand(k).tolist(), middle.tolist())
             if not controller.is_holding(k):
                 farthest = max(farthest, distance)
             if distance < closing * height + radius:

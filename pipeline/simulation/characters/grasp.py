@@ -100,9 +100,9 @@ def grasp_place(controller: PersonController, state: MemberState, k: int, both: 
 
 def lift_over_knees(controller: PersonController, k: int, wrist: Array) -> Array:
     """Return (3,) how far above its place a hand goes: first ahead of the knees, then down [m]."""
-    hand = controller.hand(k)
-    aside = math.hypot(wrist[0] - hand[0], wrist[2] - hand[2]) - LOWERING_RANGE * controller.arm
-    above = max(float(controller.record.floor) + LIFTED * controller.arm - wrist[1], 0.0)
+    (x, y, z), (hand_x, _, hand_z) = wrist.tolist(), controller.hand(k).tolist()
+    aside = math.hypot(x - hand_x, z - hand_z) - LOWERING_RANGE * controller.arm
+    above = max(float(controller.record.floor) + LIFTED * controller.arm - y, 0.0)
     return np.array([0.0, min(LIFT_SLOPE * max(aside, 0.0), above), 0.0])
 
 

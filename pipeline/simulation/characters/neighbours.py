@@ -14,13 +14,13 @@ Numbers = NDArray[np.int64]
 @allocating
 def order_along_x(persons: Records) -> Numbers:
     """Return the numbers of all people in order along x."""
-    order = np.zeros(len(persons), dtype=np.int64)
+    order, xs = np.zeros(len(persons), dtype=np.int64), np.zeros(len(persons))
     for i in range(len(persons)):
-        n = i
-        while n > 0 and persons[order[n - 1]].at[0] > persons[i].at[0]:
-            order[n] = order[n - 1]
+        n, x = i, persons[i].at[0]
+        while n > 0 and xs[n - 1] > x:
+            order[n], xs[n] = order[n - 1], xs[n - 1]
             n -= 1
-        order[n] = i
+        order[n], xs[n] = i, x
     return order
 
 

@@ -12,7 +12,6 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, IntArray
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.deck_choice import deck_height
-from pipeline.simulation.characters.held_bar import find_held_place, push_node
 from pipeline.simulation.characters.hurdles import DEEPEST_STEP_OVER, HIGHEST_STEP_OVER
 from pipeline.simulation.characters.person_record import (
     HAND,
@@ -99,13 +98,13 @@ class PersonController:
 
     def ground_distance(self, place: Array) -> float:
         """Return the horizontal distance to a place [m]."""
-        x, z = self.record.at.tolist()
-        return math.hypot(place[0] - x, place[2] - z)
+        at, (x, _, z) = self.record.at, place.tolist()
+        return math.hypot(x - at.item(0), z - at.item(1))
 
     def direction_to(self, place: Array) -> Array:
         """Return the level unit vector (3,) to a place."""
-        at_x, at_z = self.record.at.tolist()
-        x, z = place[0] - at_x, place[2] - at_z
+        at, (x, _, z) = self.record.at, place.tolist()
+        x, z = x - at.item(0), z - at.item(1)
         size = math.hypot(x, z)
         return self.ahead if size < 1e-9 else np.array([x / size, 0.0, z / size])
 
@@ -188,7 +187,8 @@ class PersonController:
 
     def face_to(self, place: Array) -> None:
         """Turn to a place."""
-        x, z = place[0] - self.record.at[0], place[2] - self.record.at[1]
+        at, (x, _, z) = self.record.at, place.tolist()
+        x, z = x - at.item(0), z - at.item(1)
         self.turn_to(math.atan2(-z, x))
 
     def is_facing(self, tolerance: float) -> bool:
@@ -274,8 +274,8 @@ class PersonController:
 
     def held_place(self, k: int) -> Array:
         """Return (3,) the place on a node or a bar at which a grip holds it [m]."""
-        arrays, place = self.view.arrays, np.empty(3)
-        find_held_place(arrays.nodes, arrays.grips, self._first_grip + k, place)
+        place = np.empty(3)
+        self.view.find_held_place(self._first_grip + k, place)
         return place
 
     def is_holding(self, k: int) -> bool:
@@ -284,7 +284,7 @@ class PersonController:
 
     def hands_holding(self, name: str) -> tuple[int, ...]:
         """Return the hands that hold a member."""
-        owner, owners = self.view.owner(name), self.view.arrays.nodes["owner"]
+        owner, owners = self.view.owner(name), self.view.owner_of_node
         if owner < 0:
             return tuple(k for k in range(2) if self.held_members.get(k) == name)
         nodes = [self.held_node(k) for k in range(2)]
@@ -382,7 +382,7 @@ class PersonController:
     def push_bar(self, nodes: tuple[int, int], force: Array, dt: float) -> None:
         """Push a bar between two nodes with a force (3,) for a step [N], [s]."""
         for node in nodes:
-            push_node(self.view.arrays.nodes, node, 0.5 * dt * force, self.view.sub_step)
+            self.view.push_node(node, 0.5 * dt * force, self.view.sub_step)
         self.view.decks.forget_rates()
 
     def part_from_bars(self, dt: float) -> None:
@@ -403,21 +403,20 @@ class PersonController:
 
     def ball_radius(self, owner: int) -> float:
         """Return the radius of a ball, 0 of another character [m]."""
-        first, count = self.view.arrays.owners["nodes"][owner]
-        return float(self.view.arrays.nodes["radius"][first]) if count == 1 else 0.0
+        return self.view.ball_radii[owner]
 
     def hold_gripped_things(self) -> None:
         """Let light things hang from the hand, and the hand follow heavy ones."""
-        arrays = self.view.arrays
+        view = self.view
         for k in range(2):
             node = self.held_node(k)
             if node < 0:
                 continue
-            mass = arrays.owners[int(arrays.nodes["owner"][node])].mass
-            if mass > CARRIED_MASS * arrays.owners[self.record.owner].mass:
+            mass = view.masses[view.owner_of_node[node]]
+            if mass > CARRIED_MASS * view.masses[self.owner]:
                 self.put_hand(k, self.held_place(k))
             elif self._holds_between(node):
-                radius = float(arrays.nodes["radius"][node])
+                radius = float(view.arrays.nodes["radius"][node])
                 self.lead_hand(k, self.place_before(k, radius, radius))
             else:
                 self.record.arm_mode[k] = SWINGING

@@ -147,7 +147,7 @@ class PushRound(Task):
         self.sense = -1.0 if self._free_hands(controller) == (1,) else 1.0
         if abs(carousel.rate) > TURNING_RATE:
             self.sense = math.copysign(1.0, carousel.rate)
-        own = carousel.angle_of(*controller.record.at)
+        own = carousel.angle_of(*controller.record.at.tolist())
         lag = self.sense * stance_of(controller, carousel).lag - COMING_TIME * carousel.rate
         offsets = [carousel.post_angle(n) - lag - own for n in free]
         away = [abs(math.remainder(offset, 2.0 * math.pi)) for offset in offsets]
@@ -188,7 +188,7 @@ class PushRound(Task):
         self.pace, self.most_pace = 0.0, math.inf
         if self.time < STEPPING_BACK_TIME:
             distance = carousel.radius + BACK_DISTANCE * float(person.height)
-            place = carousel.place(carousel.angle_of(*person.at), distance)
+            place = carousel.place(carousel.angle_of(*person.at.tolist()), distance)
             controller.go(place[0], place[2], 0.0, self.owner)
             person.has_facing, person.facing = True, person.heading
         elif self.time < STEPPING_BACK_TIME + dt:
@@ -204,7 +204,7 @@ class PushRound(Task):
     def _walk_up(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Go to the rim."""
         ring = stance_of(controller, carousel).ring
-        place = carousel.place(carousel.angle_of(*controller.record.at), ring)
+        place = carousel.place(carousel.angle_of(*controller.record.at.tolist()), ring)
         self.stick(self.approach.walk_to(controller, place, 0.0, self.owner, dt), self.approach)
         self.is_at_rim = carousel.distance(controller) < ring + NEAR_RING
 
@@ -215,7 +215,7 @@ class PushRound(Task):
         person, ring = controller.record, stance.ring
         # Feet that swing past the rim need not clear the deck: nobody lifts them so high.
         person.beside_deck = person.stance_on_deck.tolist() == [0, 0]
-        own = carousel.angle_of(*person.at)
+        own = carousel.angle_of(*person.at.tolist())
         wanted = carousel.post_angle(number) - self.sense * stance.lag
         behind = self.sense * math.remainder(wanted - own, 2.0 * math.pi)
         speed = self.sense * carousel.rate * ring + FOLLOW_GAIN * ring * behind
@@ -223,9 +223,8 @@ class PushRound(Task):
         fastest = 1.3 * PUSHING_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
         self.pace = self.most_pace = min(max(speed, 0.0), fastest)
         if self.most_pace > 0.05:
-            way = controller.direction_to(aim)
-            far = np.array([person.at[0], 0.0, person.at[1]]) + 2.0 * way
-            controller.go(far[0], far[2], 0.0, self.owner)
+            way, at = controller.direction_to(aim).tolist(), person.at.tolist()
+            controller.go(at[0] + 2.0 * way[0], at[1] + 2.0 * way[2], 0.0, self.owner)
         else:
             controller.stop()
         far_hand = (1,) if self.sense > 0.0 else (0,)
@@ -268,14 +267,14 @@ class PushRound(Task):
             own = level if k == 0 else max(level - HANDS_APART, min(level, upright))
             if hold_bar(controller, k, nodes, own, self.owner):
                 place = controller.held_place(k)
-                stretch = math.dist(controller.shoulder(k), place)
+                stretch = math.dist(controller.shoulder(k).tolist(), place.tolist())
                 # Who bows to push would walk with bent knees.
                 place[1] = max(float(place[1]), upright)
                 controller.put_hand(k, place)
                 holds += 1
                 if stretch > LONGEST_STRETCH * controller.arm:
                     controller.let_go(k)
-        mass = float(controller.view.arrays.owners["mass"][person.owner])
+        mass = controller.view.masses[controller.owner]
         if holds:
             controller.push_bar(nodes, effort * PUSH_FORCE * mass * GRAVITY * ahead, dt)
         return holds > 0

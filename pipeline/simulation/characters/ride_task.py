@@ -23,7 +23,12 @@ from pipeline.simulation.characters.deck_choice import deck_height
 from pipeline.simulation.characters.deck_motion import HIGHEST_STEP
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
-from pipeline.simulation.characters.person_tasks import Approach, Task, place_text, shoulder_height
+from pipeline.simulation.characters.person_tasks import (
+    Approach,
+    Task,
+    place_text,
+    shoulder_height,
+)
 from pipeline.simulation.characters.pursuit_tasks import CLOSING_RATE
 from pipeline.simulation.characters.seat_task import (
     NEIGHBOUR_SPACE,
@@ -105,6 +110,7 @@ class RideCarousel(Ride):
         owner: its number.
         waited: time for which it has turned too fast [s].
         held: time since the hands are sent to the post [s].
+        is_at_still_rim: whether it is at the rim, or beyond, of what hardly turns.
         gap: angle of the gap to step through from the first post, None before [rad].
         is_aboard: whether it has come through the gap.
     """
@@ -112,6 +118,7 @@ class RideCarousel(Ride):
     owner: int
     waited: float = field(default=0.0, init=False)
     held: float = field(default=0.0, init=False)
+    is_at_still_rim: bool = field(default=False, init=False)
     gap: float | None = field(default=None, init=False)
     is_aboard: bool = field(default=False, init=False)
 
@@ -122,9 +129,12 @@ class RideCarousel(Ride):
 
     @property
     def interval(self) -> int:
-        """See `Task`; holding on is steady, for the deck carries what the person faces."""
+        """See `Task`; who steps onto what turns is led closely, but holding on is steady.
+
+        The deck carries what the person faces.
+        """
         if not self.is_there:
-            return 1
+            return CLOSING_INTERVAL if self.is_at_still_rim else 1
         return HOLDING_INTERVAL if self.held > HOLDING_TIME else CLOSING_INTERVAL
 
     def slot_distance(self, controller: PersonController) -> float:
@@ -142,20 +152,24 @@ class RideCarousel(Ride):
         """See `Task`."""
         carousel = carousel_pose(controller.view, self.owner)
         self._announce(controller, carousel)
+        self.is_at_still_rim = False
         if self.is_there:
             self._hold_on(controller, carousel, dt)
             self.is_lost = controller.record.deck_share < LOST_DECK
             return self.held > HOLDING_TIME
+        is_still = abs(carousel.rate) < STILL_RATE
         if self.is_aboard:
+            self.is_at_still_rim = is_still
             if self.number is not None:
                 self._go_to_post(controller, carousel, self.number, dt)
             return False
         if controller.record.deck_share == 0.0 and not self._is_at_rim(controller, carousel):
-            own = carousel.angle_of(*controller.record.at)
+            own = carousel.angle_of(*controller.record.at.tolist())
             place = carousel.place(own, carousel.radius + controller.body_radius + OUTSIDE)
             reason = self.approach.walk_to(controller, place, 0.0, self.owner, dt)
             self.stick(reason, self.approach)
         elif self._may_board(controller, carousel, dt):
+            self.is_at_still_rim = is_still
             self._step_on(controller, carousel, dt)
         return False
 
@@ -176,7 +190,7 @@ class RideCarousel(Ride):
 
     def _step_on(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Step through the gap that is there, or that comes by."""
-        own = carousel.angle_of(*controller.record.at)
+        own = carousel.angle_of(*controller.record.at.tolist())
         if controller.record.deck_share == 0.0 and not controller.record.stepping:
             self.gap = None
         if self.gap is None:
@@ -263,7 +277,7 @@ def hold_bar(
     view = controller.view
     held = controller.held_node(k)
     if held >= 0:
-        return int(view.arrays.nodes["owner"][held]) == owner
+        return view.owner_of_node[held] == owner
     if controller.is_holding(k):
         return False
     low, high = view.p[nodes[0]], view.p[nodes[1]]
@@ -283,7 +297,7 @@ def release_bars(controller: PersonController, owner: int) -> None:
     """Open the hands that hold a thing, and let the others sink that reach for it."""
     for k in range(2):
         held = controller.held_node(k)
-        if held >= 0 and int(controller.view.arrays.nodes["owner"][held]) == owner:
+        if held >= 0 and controller.view.owner_of_node[held] == owner:
             controller.let_go(k)
         elif not controller.is_holding(k):
             controller.record.arm_mode[k] = SWINGING

@@ -71,7 +71,8 @@ class PlayBall(ConfiguredBehaviour[Play]):
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
         ball, memory = self.ball, mind.memory
-        if not mind.is_on_terrain(memory.places[ball, ::2].tolist(), EDGE_MARGIN):
+        x, _, z = memory.places[ball].tolist()
+        if not mind.is_on_terrain((x, z), EDGE_MARGIN):
             return 0.0
         liked = max(mind.attention.valence.item(ball), 0.0)
         seen = memory.seen.item(ball)

@@ -12,15 +12,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.mind.sight import MOST_KNOWN, WALK, Sight
+from pipeline.simulation.characters.mind.sight import MOST_KNOWN, Sight, StraightWalk
 from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
     SHRINK_FACTOR,
@@ -35,7 +35,6 @@ from pipeline.simulation.dynamics.compiled import (
     compiled,
     entry,
 )
-from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
@@ -102,11 +101,16 @@ def steer(
     left = max(math.hypot(x - at_x, z - at_z) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to((x, z)), target=target)
-    detour, walk = mind.detour, mind.walk
-    walk.target, walk.place_x, walk.place_z = target, x, z
-    walk.stop_distance, walk.pace = stop_distance, pace
-    walk.forced = detour.forced if mind.now < detour.forced_until else 0.0
-    if _straight_walker()(mind.sight, mind.at, mind.walks):
+    detour = mind.detour
+    forced = detour.forced if mind.now < detour.forced_until else 0.0
+    walk_straight = mind.walk_straight or _bind_straight_walk(mind)
+    circles = mind.surroundings.view.obstacle_circles
+    circles.update()
+    is_free, speed, goal_x, goal_z, left = walk_straight(
+        *(mind.obstacles, circles.middles, circles.radii, circles.keys, circles.things),
+        *(target, x, z, stop_distance, pace, forced),
+    )
+    if is_free:
         detour.route.leave()
     else:
         obstacles, goal = _obstacles(mind, target), np.array([x, z])
@@ -114,12 +118,13 @@ def steer(
             mind.at, goal, obstacles.middles, obstacles.reaches, mind.walking_bounds
         )
         _walk_to(obstacles, mind.at, mind.walks, first, max(length - stop_distance, 0.0))
-    detour.update_progress(walk.left, mind.now)
-    speed = walk.speed
+        walk = mind.walk
+        speed, goal_x, goal_z, left = walk.speed, walk.goal_x, walk.goal_z, walk.left
+    detour.update_progress(left, mind.now)
     if speed < 1e-6:
         return MotorCommand(facing=mind.heading_to((x, z)), target=target)
     goal_pace = min(max(speed, 0.35 * pace), pace)
-    return MotorCommand((walk.goal_x, walk.goal_z), goal_pace, target, touching)
+    return MotorCommand((goal_x, goal_z), goal_pace, target, touching)
 
 
 class _Obstacles(NamedTuple):
@@ -189,15 +194,59 @@ def is_way_free(mind: Mind, place: Array) -> bool:
 
 
 @entry
-def _walk_straight(sight: Sight, at: Array, walks: Records) -> bool:
+def _walk_straight(
+    places: Array,
+    distances: Array,
+    ats: Array,
+    walks: Records,
+    radius: Array,
+    n: int,
+    is_obstacle: NDArray[np.bool_],
+    circle_middles: Array,
+    circle_radii: Array,
+    circle_keys: IntArray,
+    circle_things: IntArray,
+    target: int,
+    x: float,
+    z: float,
+    stop_distance: float,
+    pace: float,
+    forced: float,
+) -> StraightWalk:
     """Tell whether the straight way to its goal is free for a walker, and write its walk there.
 
     Args:
-        sight: what it knows of things in its way.
-        at: (2,) its place [m].
-        walks: (1,) its `WALK`; changed.
+        places: (M, C, 3) of characters as minds remember them [m].
+        distances: (M, C) of these [m].
+        ats: (M, 2) places of the minds themselves [m].
+        walks: (M,) `WALK` of each; changed.
+        radius: (C,) of circles around characters [m].
+        n: the mind of the walker.
+        is_obstacle: (C,) see `Sight`.
+        circle_middles: likewise.
+        circle_radii: likewise.
+        circle_keys: likewise.
+        circle_things: likewise.
+        target: number of the character at the goal or NOBODY.
+        x: of the goal [m].
+        z: of the same.
+        stop_distance: from the goal [m].
+        pace: of the walk [m/s].
+        forced: way round all obstacles, 0 where each has its own.
     """
-    walk = walks[0]
+    walk, at = walks[n], ats[n]
+    walk.target, walk.place_x, walk.place_z = target, x, z
+    walk.stop_distance, walk.pace, walk.forced = stop_distance, pace, forced
+    sight = Sight(
+        places[n],
+        distances[n],
+        radius,
+        is_obstacle,
+        circle_middles,
+        circle_radii,
+        circle_keys,
+        circle_things,
+    )
     obstacles = _find_obstacles(sight, walk.target, at, walk.body_radius)
     place = np.array((walk.place_x, walk.place_z))
     is_straight, _ = straight_way(at, place, obstacles.middles, obstacles.reaches, CLEARANCES[0])
@@ -205,16 +254,21 @@ def _walk_straight(sight: Sight, at: Array, walks: Records) -> bool:
         x, z = place[0] - at[0], place[1] - at[1]
         left = max(math.sqrt(x * x + z * z) - walk.stop_distance, 0.0)
         _write_walk(obstacles, at, walk, place, left)
-    return is_straight
+    return is_straight, walk.speed, walk.goal_x, walk.goal_z, walk.left
 
 
-@cache
-def _straight_walker() -> Callable[[Sight, Array, Records], bool]:
-    """Return `_walk_straight` for arguments of the types that it always has."""
-    places, numbers, none = np.zeros((1, 2)), np.zeros(1, dtype=np.int64), np.zeros(1)
-    is_obstacle = np.zeros(1, dtype=np.bool_)
-    sight = Sight(np.zeros((1, 3)), none, none, is_obstacle, places, none, numbers, numbers)
-    return bound(_walk_straight, examples=(sight, none, zero_records(1, WALK)))
+def _bind_straight_walk(mind: Mind) -> Callable[..., StraightWalk]:
+    """Return `_walk_straight` of a mind, and leave it there."""
+    arrays, places, none = mind.arrays, np.zeros((1, 2)), np.zeros(1)
+    numbers, is_obstacle = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_)
+    circles = places, none, numbers, numbers
+    mind.walk_straight = bound(
+        _walk_straight,
+        *(arrays.places, arrays.distances, arrays.at, arrays.walks),
+        *(mind.surroundings.radius, mind.index),
+        examples=(is_obstacle, *circles, 0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    )
+    return mind.walk_straight
 
 
 @entry

@@ -9,7 +9,7 @@ Source: Horswill 2008, "High-level Control" and "Example application".
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Protocol
 
@@ -29,13 +29,12 @@ from pipeline.simulation.characters.mind.perception import (
     Memory,
     Surroundings,
 )
-from pipeline.simulation.characters.mind.sight import WALK, Sight
+from pipeline.simulation.characters.mind.sight import Sight, StraightWalk
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.record_view import record_view
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Traits
@@ -75,6 +74,8 @@ class Mind:
         records: `PERSON` records of acting people by their number.
 
     Attributes:
+        arrays: of all minds.
+        index: of this one among them.
         number_of_self: number of the character.
         body_radius: of the circle on the ground around it [m].
         is_obstacle: (C,) which characters are walked around.
@@ -85,6 +86,7 @@ class Mind:
         detour: of the present walk.
         walks: (1,) `WALK` of the present walk.
         walk: a view of it.
+        walk_straight: writes a straight walk where that is free; set by who steers first.
         struck: time of the last blow [s], and the striker's number or -1.
         behaviours: by name, in the order of the registry.
         biases: by a script, added to activations by name.
@@ -126,8 +128,10 @@ class Mind:
         self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
-        self.walks = zero_records(1, WALK)
+        self.arrays, self.index = arrays, number
+        self.walks = arrays.walks[number : number + 1]
         self.walk = record_view(self.walks, 0)
+        self.walk_straight: Callable[..., StraightWalk] | None = None
         self.walk.body_radius = self.body_radius
         (self.walk.low_x, self.walk.low_z), (self.walk.high_x, self.walk.high_z) = (
             self.walking_bounds.tolist()
@@ -202,7 +206,7 @@ class Mind:
     def is_on_terrain(self, place: Sequence[float] | Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        x, z = float(place[0]), float(place[1])
+        x, z = place
         is_inside = low_x + margin < x < high_x - margin
         return bool(is_inside and low_z + margin < z < high_z - margin)
 
@@ -213,8 +217,13 @@ class Mind:
     def nearest_on_terrain(self, x: float, z: float) -> tuple[float, float]:
         """Return x and z of the nearest place that can be walked to [m]."""
         (low_x, low_z), (high_x, high_z) = self._edges
-        m = EDGE_MARGIN
-        return min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)
+        low_x, low_z, high_x, high_z = (
+            *(low_x + EDGE_MARGIN, low_z + EDGE_MARGIN),
+            *(high_x - EDGE_MARGIN, high_z - EDGE_MARGIN),
+        )
+        if low_x <= x <= high_x and low_z <= z <= high_z:
+            return x, z
+        return min(max(x, low_x), high_x), min(max(z, low_z), high_z)
 
     def record_of(self, owner: int) -> Record | None:
         """Return the record of an acting person, None of another character."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import NOBODY, RecordArray
+from pipeline.simulation.characters.mind.sight import WALK
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.spatial import Array
 
@@ -64,6 +65,7 @@ class MindArrays(NamedTuple):
         nearness: (M, C) 1 for what is close, less for what is far.
         noise: (M, NOISE_ROWS, C) random numbers from 0 to 1 for so many thoughts.
         at: (M, 2) x and z of each itself [m].
+        walks: (M,) `WALK` of each.
     """
 
     minds: RecordArray
@@ -81,6 +83,7 @@ class MindArrays(NamedTuple):
     nearness: Array
     noise: Array
     at: Array
+    walks: RecordArray
 
 
 def mind_arrays(places: Array, interest: Array, valence: Array) -> MindArrays:
@@ -110,4 +113,5 @@ def mind_arrays(places: Array, interest: Array, valence: Array) -> MindArrays:
         nearness=np.zeros(shape),
         noise=np.zeros((shape[0], NOISE_ROWS, shape[1])),
         at=np.zeros((len(interest), 2)),
+        walks=zero_records(len(interest), WALK),
     )

@@ -27,8 +27,8 @@ from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arr
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.own_gestures import OwnGestures
 from pipeline.simulation.characters.mind.perception import Surroundings, notice
+from pipeline.simulation.characters.mind.walk_command import write_walk_command
 from pipeline.simulation.characters.pain_rise import PainRise
-from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -297,11 +297,13 @@ class MindScheduler:
         return set(hurt)
 
     def _act(self, k: int, mind: Mind) -> None:
-        command, controller, dispatcher = mind.command, mind.controller, self._dispatcher
-        person = controller.record
-        person.frozen = person.fearful = command.frozen
-        person.startled = command.startled
-        person.pace = max(command.pace, MIN_PACE)
+        """Command a person to do what its mind has chosen."""
+        command, dispatcher = mind.command, self._dispatcher
+        if command.sits or command.task is not None:
+            person = mind.controller.record
+            person.frozen = person.fearful = command.frozen
+            person.startled = command.startled
+            person.pace = max(command.pace, MIN_PACE)
         if command.sits:
             if not isinstance(dispatcher.task(k), SitDown):
                 dispatcher.begin(k, SitDown())
@@ -310,32 +312,37 @@ class MindScheduler:
             if dispatcher.task(k) is not command.task:
                 dispatcher.begin(k, command.task)
             return
+        startled = command.startled
         if dispatcher.task(k) is not None:
             dispatcher.end(k)
-        _walk(mind, command)
-        for hand in range(2):
-            if controller.held_node(hand) < 0:
-                person.arm_mode[hand] = REACHING if command.reaching else SWINGING
+            startled = False
+        goal, facing = _goal_of_walk(mind, command), command.facing
+        x, z = goal or (0.0, 0.0)
+        self._write_command(
+            *(k, goal is not None, x, z, max(command.pace, MIN_PACE)),
+            command.target if command.touching else NOBODY,
+            *(facing is not None, facing or 0.0),
+            *(command.reaching, command.frozen, startled),
+        )
+
+    @cached_property
+    def _write_command(self) -> Callable[..., None]:
+        examples = 0, False, 0.0, 0.0, 0.0, 0, False, 0.0, False, False, False
+        grips = self._surroundings.view.arrays.grips
+        return bound(write_walk_command, self._persons, grips, examples=examples)
 
 
-def _walk(mind: Mind, command: MotorCommand) -> None:
+def _goal_of_walk(mind: Mind, command: MotorCommand) -> tuple[float, float] | None:
+    """Return x and z of where a mind lets its person go next [m], None to stand."""
     controller, goal = mind.controller, command.goal
     glances_back = mind.glances.glancing and command.facing is None
     if goal is not None and glances_back and mind.anxiety > STOPPING_ANXIETY:
         way, place = np.array(goal), mind.place(mind.glances.at)
         turn = abs(_wrapped(mind.heading_to(place) - mind.heading_to(way)))
         goal = None if turn > GLANCING_BACK_ANGLE else goal
-    if goal is not None:
-        if (first := way_off_deck(controller, goal)) is not None:
-            goal = float(first[0]), float(first[1])
-        controller.go(*goal, partner=command.target if command.touching else NOBODY)
-    else:
-        controller.stop()
-        controller.record.posture = STANDING
-    if command.facing is not None:
-        controller.record.has_facing, controller.record.facing = True, command.facing
-    elif goal is None:
-        controller.record.has_facing = False
+    if goal is not None and (first := way_off_deck(controller, goal)) is not None:
+        goal = float(first[0]), float(first[1])
+    return goal
 
 
 def _wrapped(angle: float) -> float:

@@ -35,6 +35,9 @@ class Sight(NamedTuple):
     circle_things: IntArray
 
 
+StraightWalk = tuple[bool, float, float, float, float]
+"""Whether the straight way is free, and only then speed [m/s], x and z to walk to, way left [m]."""
+
 MOST_KNOWN = 32
 """Obstacles whose way round a walker keeps in mind."""
 

@@ -53,8 +53,8 @@ foam hides where it is thick, for each metre beyond and at most; share of light 
 back."""
 
 _FOAM_UPRIGHT, _FOAM_BESIDE = (0.45, 0.3), 0.25
-"""Height of the normals of ground from which foam lies on it, and by how much more there is all;
-and how much of it is left, in places, beside what is steeper."""
+"""Vertical component of the ground's normal at which foam begins, and its rise up to full foam; and
+the share that is left in patches beside steeper ground."""
 
 _FOAM_CELLS = (0.31, 0.083)
 """Widths of patches and of bubbles of foam [m]."""
@@ -368,7 +368,7 @@ class Water:
         is_seen = interface.is_above & (sample.d.y > 0.0)
         return dr.select(is_seen, arriving * share * density / (4.0 * facing), 0.0)
 
-    def foam_share(self, p: Any, depth: Any, bottom: Any) -> Any:
+    def foam_share(self, p: Any, depth: Any, normal: Any) -> Any:
         """Return the share of the surface that foam hides where water is as deep as this [m].
 
         A ragged line of it lies at the edge and a broken one before that, and both come and go
@@ -378,7 +378,7 @@ class Water:
         Args:
             p: places on the surface [m].
             depth: of the water there [m].
-            bottom: normals of the ground there.
+            normal: of the ground below.
         """
         patches = noise2(p.x / _FOAM_CELLS[0], p.z / _FOAM_CELLS[0], 71)
         bubbles = noise2(p.x / _FOAM_CELLS[1], p.z / _FOAM_CELLS[1], 72)
@@ -389,7 +389,7 @@ class Water:
         edge = 1.0 - dr.clip(part / 0.45, 0.0, 1.0)
         line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
         thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
-        shore = dr.clip((bottom.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
+        shore = dr.clip((normal.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
         shore = dr.maximum(shore, _FOAM_BESIDE * dr.clip(3.0 * patches - 1.0, 0.0, 1.0))
         return shore * self.foam_most * dr.clip(thick * (0.1 + 1.5 * patches * bubbles), 0.0, 1.0)
 

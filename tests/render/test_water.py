@@ -130,9 +130,10 @@ def test_foam_lies_in_the_shallows_and_more_of_it_where_waves_break(renderer: Re
     x, z = (20.0 * a for a in np.random.default_rng(3).random((2, 20_000)))
     p = mi.Point3f(x, np.zeros_like(x), z)
 
-    def mean(waves: str, depth: float) -> float:
+    def mean(waves: str, depth: float, upright: float = 1.0) -> float:
         optics = Optics.of(surface(preset="lake", waves=waves), np.ones(3), 1.7)
-        share = np.array(optics.foam_share(p, mi.Float(depth)))
+        ground = mi.Normal3f(math.sqrt(1.0 - upright**2), upright, 0.0)
+        share = np.array(optics.foam_share(p, mi.Float(depth), ground))
         assert share.min() >= 0.0
         assert share.max() <= 1.0
         return float(share.mean())
@@ -141,6 +142,8 @@ def test_foam_lies_in_the_shallows_and_more_of_it_where_waves_break(renderer: Re
     assert mean("rough", 0.05) > 0.02 > mean("ripples", 0.05)
     assert mean("calm", 0.0) == 0.0
     assert mean("rough", 2.0) == 0.0
+    # A broken trace beside a steep stone.
+    assert mean("rough", 0.0, upright=1.0) > 4.0 * mean("rough", 0.0, upright=0.0) > 0.0
 
 
 def test_shafts_of_light_lean_with_the_refracted_sun_and_keep_the_mean(renderer: Renderer) -> None:

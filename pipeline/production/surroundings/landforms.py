@@ -23,6 +23,9 @@ REACH = 7000.0
 KNOLLS = 0.2
 """Height of knolls relative to that of swells."""
 
+DUNE_SPACING, DUNE_HEIGHT = 140.0, 21.0
+"""Distance of the crests of dunes, and their height [m]: slip faces are no steeper than sand is."""
+
 WINDWARD = 0.68
 """Share of a dune's length on the side that the wind blows up."""
 
@@ -125,12 +128,13 @@ def _dunes(places: Array, out: Array, seed: int) -> Array:
         # Crests lie across the wind, which blows along the second axis: a long slope up to a
         # sharp crest, and a steep one down from it where sand slides.
         bent = _bent(p, seed, 190.0, 46.0)
-        phase = bent[:, 1] / 140.0 + 0.9 * fractal(bent / np.array([330.0, 420.0]), seed + 10, 2)
-        part = phase - np.floor(phase)
-        up, down = part / WINDWARD, (1.0 - part) / (1.0 - WINDWARD)
+        wander = 0.9 * fractal(bent / np.array([330.0, 420.0]), seed + 10, 2)
+        phase = bent[:, 1] / DUNE_SPACING + wander
+        along = phase - np.floor(phase)
+        up, down = along / WINDWARD, (1.0 - along) / (1.0 - WINDWARD)
         # Crests end, and others begin beside them.
-        tall = smoothstep(-0.75, 0.65, fractal(bent / np.array([210.0, 150.0]), seed + 11, 2))
-        return 21.0 * tall * np.where(up < 1.0, up * up * (1.6 - 0.6 * up), down)
+        share = smoothstep(-0.75, 0.65, fractal(bent / np.array([210.0, 150.0]), seed + 11, 2))
+        return DUNE_HEIGHT * share * np.where(up < 1.0, up * up * (1.6 - 0.6 * up), down)
 
     def great(p: Array) -> Array:
         # Sand seas: long rounded crests across the wind, each row higher than the last.

@@ -11,7 +11,6 @@ from pipeline.simulation.characters.grasp import lift_over_knees
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import (
-    WALKING_INTERVAL,
     Approach,
     Task,
     place_text,
@@ -47,7 +46,10 @@ STOPPING_SLACK, STOPPED_SLACK = 0.12, 0.2
 """Distance beyond the range of hands at which a person stops, and sets out again, in arms."""
 
 GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
-CLOSING_INTERVAL, HELD_INTERVAL = 2, 4  # of commands while hands close, and after that [steps]
+CLOSING_INTERVAL, HELD_INTERVAL = (
+    2,
+    4,
+)  # of commands until hands or arms hold, and after that [steps]
 
 
 @dataclass
@@ -162,7 +164,6 @@ class Grab(Task):
         progress: of the hands.
         standoff: from low things.
         joins: whether one hand brings what it has to the other.
-        is_walking: whether the person goes up to it.
         is_held: whether all hands hold it.
     """
 
@@ -175,15 +176,12 @@ class Grab(Task):
     progress: TaskProgress = field(default_factory=TaskProgress)
     standoff: Standoff = field(default_factory=Standoff)
     joins: bool = False
-    is_walking: bool = False
     is_held: bool = False
 
     @property
     def interval(self) -> int:
-        """See `Task`; hands that close are led more closely than legs."""
-        if self.is_held:
-            return HELD_INTERVAL
-        return WALKING_INTERVAL if self.is_walking else CLOSING_INTERVAL
+        """See `Task`."""
+        return HELD_INTERVAL if self.is_held else CLOSING_INTERVAL
 
     def asks_for(self, controller: PersonController) -> str:
         """See `Task`; what is light is handed over, heavy things are held by several."""
@@ -197,7 +195,7 @@ class Grab(Task):
         """See `Task`."""
         person, p = controller.record, controller.view.p
         self.nodes = self.nodes or self._choose_nodes(controller)
-        self.is_held, self.is_walking = all(controller.held_node(k) >= 0 for k in self.hands), False
+        self.is_held = all(controller.held_node(k) >= 0 for k in self.hands)
         if self.is_held:
             self.joins = self.leads_hands = False
             return True
@@ -219,7 +217,6 @@ class Grab(Task):
             self._join_hands(controller, held, dt)
             return False
         if is_walking and not self.standoff.is_stepping:
-            self.is_walking = True
             if self.part is None:
                 self.nodes.clear()
             for k in self.hands:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
-from pipeline.simulation.characters.contact_tasks import PATIENCE
+from pipeline.simulation.characters.contact_tasks import CLOSING_INTERVAL, HELD_INTERVAL, PATIENCE
 from pipeline.simulation.characters.encounter import (
     CLOSING_RATE,
     Encounter,
@@ -70,7 +70,6 @@ HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
 TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
 WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
-CLOSING_INTERVAL, HELD_INTERVAL = 2, 4  # of commands while arms close, and after that [steps]
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
 STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths

@@ -96,6 +96,7 @@ def update_stun(
 GAZE_RATE = 8.0  # [rad/s]
 MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
 MAX_WALKING_GAZE_YAW = math.radians(65.0)  # against the direction of walking
+AVERTED_GAZE = math.radians(115.0)  # of one that is about to be pushed, from who pushes it
 STRAIGHT_BACKWARD = math.radians(140.0)  # direction of walking from which either shoulder serves
 WALKING_GAZE_FROUDE = 0.12  # speed from which that holds, in √(g l)
 FEELING_GAZE_FROUDE = 0.05  # beyond that of one that feels its way back, likewise
@@ -128,9 +129,9 @@ def _within_view_of_way(person: Record, aside: float) -> float:
     """
     goal, velocity = goal_velocity(person), (person.velocity[0], person.velocity[1])
     if person.braces:
-        source = math.atan2(person.threat[1], -person.threat[0])
+        source = math.atan2(person.push_way[1], -person.push_way[0])
         turned = wrap_angle(person.heading - source)
-        return math.copysign(math.pi - MAX_WALKING_GAZE_YAW, turned) - turned
+        return math.copysign(AVERTED_GAZE, turned) - turned
     if faces_away(person, goal) and not person.startled:
         return _within_view(person, aside, velocity, BACKWARD_FROUDE, FEELING_GAZE_FROUDE)
     aside = _within_view(person, aside, goal, 0.0, WALKING_GAZE_FROUDE)
@@ -160,27 +161,28 @@ def _within_view(
 
 
 @compiled
-def _see_threat(person: Record, dt: float) -> None:
+def _see_push(person: Record, dt: float) -> None:
     """Let a person brace itself, hands free, for a push that it sees coming."""
-    person.threat_time = max(person.threat_time - dt, 0.0)
-    x, z = person.threat[0], person.threat[1]
+    person.push_warning = max(person.push_warning - dt, 0.0)
+    x, z = person.push_way[0], person.push_way[1]
     is_seen = math.cos(person.gaze[0]) * x - math.sin(person.gaze[0]) * z < 0.0
-    is_coming = person.threat_time > 0.0 and (person.braces or is_seen)
+    is_coming = person.push_warning > 0.0 and (person.braces or is_seen)
     is_free = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
     can_turn = not person.frozen and person.posture != SITTING and not is_down(person)
-    is_idle = can_turn and not person.has_goal and not person.has_facing
-    if is_idle and not is_coming and person.known_threat < math.inf:
-        # Who has been pushed faces the other again.
-        person.has_facing, person.facing = True, math.atan2(z, -x)
+    if person.has_braced and can_turn and not is_coming:
+        # Who has turned away faces the other again.
+        person.has_braced = False
+        if not person.has_goal and not person.has_facing:
+            person.has_facing, person.facing = True, math.atan2(z, -x)
     person.braces = is_coming and is_free and can_turn
-    person.known_threat = person.threat_left if is_coming else math.inf
+    person.has_braced |= person.braces
+    person.seen_push_left = person.push_left if is_coming else math.inf
 
 
 @compiled
 def turn_head(person: Record, dt: float) -> None:
     """Turn the head for `dt` [s]."""
     yaw, pitch = _way_yaw(person), 0.0
-    _see_threat(person, dt)
     if person.has_look_target:
         x = person.look_at[0] - person.targets[HEAD, 0]
         y = person.look_at[1] - person.targets[HEAD, 1]
@@ -346,6 +348,7 @@ def _set_targets(
     follow_deck(person, nodes, owners, solids, dt)
     update_stun(person, nodes, links, owners, h, dt)
     recover(person, nodes, dt)
+    _see_push(person, dt)
     if person.frozen:
         halt(person)
         sway_in_place(person, dt)

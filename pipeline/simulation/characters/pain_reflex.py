@@ -39,6 +39,7 @@ STRAIGHT_BACK = math.radians(155.0)  # from the striker to a way on which either
 WITHDRAWAL_TURNS = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
 """Directions tried aside from straight away [rad]."""
 
+LEAST_STEP_BACK = 0.1  # shorter than which there is no way back [m]
 EDGE_MARGIN = 0.5  # of a withdrawal from the edge of the terrain [m]
 WITHDRAWAL_PAUSE = 1.0  # after one before the next, or an order would never be done [s]
 FLINCH_TIME = 0.5  # [s]
@@ -66,6 +67,22 @@ def step_back_goal(
         for turn in WITHDRAWAL_TURNS
     ]
     return next((goal for goal in goals if is_free(goal)), goals[0])
+
+
+def step_back_way(at: Array, goal: Array, away: float) -> float:
+    """Return the heading of the way to where a person steps back [rad].
+
+    Straight away from the striker where the edge of the ground leaves it no such way.
+
+    Args:
+        at: (2,) where it is [m].
+        goal: (2,) where it steps to [m].
+        away: as for `step_back_goal` [rad].
+    """
+    x, z = float(goal[0] - at[0]), float(goal[1] - at[1])
+    way = math.atan2(-z, x)
+    is_back = abs(math.remainder(way + away, 2.0 * math.pi)) < 0.5 * math.pi
+    return way if is_back and math.hypot(x, z) > LEAST_STEP_BACK else -away
 
 
 def withdrawal_facing(heading: float, to_striker: float, way: float) -> float:
@@ -107,6 +124,7 @@ class _Reflex:
         flinch_end: [s].
         withdrawal_end: [s].
         goal: (2,) of the withdrawal [m].
+        way: heading of the way to it [rad].
         walk: that it interrupts, None while there is no withdrawal.
         shielded: places of hands that shield the face, by the number of the hand [m].
     """
@@ -115,6 +133,7 @@ class _Reflex:
     flinch_end: float = -math.inf
     withdrawal_end: float = -math.inf
     goal: Array = field(default_factory=lambda: np.zeros(2))
+    way: float = 0.0
     walk: _Walk | None = None
     shielded: dict[int, Array] = field(default_factory=dict)
 
@@ -182,12 +201,14 @@ class PainReflexes:
         reaches = radii + controller.body_radius
         distances = np.sqrt(((middles - at) ** 2).sum(axis=1))
         reaches = np.minimum(reaches, WALKED_ROUND * distances)
+        away = math.atan2(at[1] - source[1], at[0] - source[0])
         reflex.goal = step_back_goal(
             at,
-            math.atan2(at[1] - source[1], at[0] - source[0]),
+            away,
             controller.view.edges,
             lambda goal: bool(are_free(at, goal[None], middles, reaches)[0]),
         )
+        reflex.way = step_back_way(at, reflex.goal, away)
 
     def _advance(self, k: int, now: float) -> None:
         """Command a person in its reflex, or end it."""
@@ -204,9 +225,9 @@ class PainReflexes:
                 record.pace = WITHDRAWAL_FROUDE * math.sqrt(GRAVITY * record.hip_height)
                 place = dispatcher.view.pelvis(reflex.striker)
                 x, z = place[0] - record.at[0], place[2] - record.at[1]
+                heading, to_striker = float(record.heading), math.atan2(-z, x)
                 record.has_facing = True
-                way = math.atan2(record.at[1] - reflex.goal[1], reflex.goal[0] - record.at[0])
-                record.facing = withdrawal_facing(float(record.heading), math.atan2(-z, x), way)
+                record.facing = withdrawal_facing(heading, to_striker, reflex.way)
             else:
                 self._resume(k)
         if now < reflex.flinch_end:
@@ -224,10 +245,10 @@ class PainReflexes:
         reflex.walk, record.startled = None, False
         if walk is None:
             return
-        kept = WALK_FIELDS if dispatcher.task(k) is walk.task else ("pace",)
-        for name in kept:
+        task = dispatcher.task(k)
+        for name in WALK_FIELDS if task is walk.task else ("pace",):
             record[name] = walk.state[name]
-        if walk.task is None and not record.has_goal and not record.has_facing:
+        if task is None and walk.task is None and not record.has_goal and not record.has_facing:
             controller = dispatcher.controllers[k]
             controller.face_to(controller.view.pelvis(reflex.striker))
 

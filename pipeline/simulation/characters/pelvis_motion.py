@@ -204,7 +204,7 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     haste = STARTLED_HASTE if person.startled else 1.0
     if person.braces:
         # It takes the push with a shoulder, the nearer one.
-        source = math.atan2(person.threat[1], -person.threat[0])
+        source = math.atan2(person.push_way[1], -person.push_way[0])
         turned = wrap_angle(person.heading - source)
         target, haste = source + math.copysign(BRACED_TURN, turned), STARTLED_HASTE
     most = haste * MAX_YAW_RATE

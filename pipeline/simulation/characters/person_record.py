@@ -203,13 +203,16 @@ PERSON = np.dtype(
         # starts back from pain.
         ("partner", "i8"),
         ("startled", "?"),
-        # Level unit vector along which somebody is about to push it; time since then, less than 0
-        # for nobody, and until the push [s]; whether it braces itself, and the time it knows of.
-        ("threat", "f8", 2),
-        ("threat_time", "f8"),
-        ("threat_left", "f8"),
+        # Level unit vector along which somebody is about to push it; time for which that is so
+        # unless it is told again, 0 for nobody, and until the push [s]; whether it braces itself,
+        # whether it has since it last faced nobody who pushes, and the time until a push that it
+        # sees coming, infinite for none [s].
+        ("push_way", "f8", 2),
+        ("push_warning", "f8"),
+        ("push_left", "f8"),
         ("braces", "?"),
-        ("known_threat", "f8"),
+        ("has_braced", "?"),
+        ("seen_push_left", "f8"),
         ("has_facing", "?"),
         ("facing", "f8"),
         ("has_look_target", "?"),
@@ -321,7 +324,7 @@ def persons_of(
         person.partner = person.kick_foot = person.deck = person.known_deck = -1
         person.hurdle = person.act_things[:] = person.group = -1
         person.group_size, person.group_room = 1, 1.0
-        person.neighbour_distance = person.known_threat = np.inf
+        person.neighbour_distance = person.seen_push_left = np.inf
         person.at[:] = at[i]
         person.floor = ground[i]
         person.gaze[:] = headings[i], 0.0

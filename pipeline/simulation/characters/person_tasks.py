@@ -32,9 +32,6 @@ VAIN_TIME = 8.0  # without coming nearer along the way, after which a walk is in
 POSTURE_PATIENCE = 8.0  # to turn, to stand up or to come to stand [s]
 TURN_TOLERANCE = math.radians(3.0)
 
-WALKING_INTERVAL = 2
-"""Commands to one that walks up to something: in so many steps it goes few centimetres [steps]."""
-
 
 @dataclass
 class Task:

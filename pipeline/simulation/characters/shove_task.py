@@ -159,16 +159,14 @@ class Grapple(Task):
 
     def _draw_back(self, controller: PersonController, left: float, dt: float) -> None:
         """Draw the hands back before the chest, and strike as soon as the chest is in reach."""
-        if float(controller.record.stun) > OFF_BALANCE:
+        left_to_draw = self.drawing_time - self.drawn - dt
+        # Whom somebody else is about to push first yields.
+        is_late = float(controller.record.seen_push_left) < left_to_draw - YIELDING_TIME
+        if is_late or float(controller.record.stun) > OFF_BALANCE:
             self.drawn = 0.0
             _lower_hands(controller)
             return
         self.drawn += dt
-        if float(controller.record.known_threat) < self.drawing_time - self.drawn - YIELDING_TIME:
-            # The other is first.
-            self.drawn = 0.0
-            _lower_hands(controller)
-            return
         ahead = controller.ahead
         right = np.array([-ahead[2], 0.0, ahead[0]])
         forth, up, inward = (size * controller.arm for size in DRAWN)
@@ -226,9 +224,13 @@ class Grapple(Task):
         if person is None:
             return
         way = controller.direction_to(controller.view.pelvis(self.owner))
-        person.threat[0], person.threat[1] = way[0], way[2]
-        person.threat_left = 0.0 if self.struck > 0.0 else self.drawing_time - self.drawn
-        person.threat_time = BRACING_TIME
+        left = 0.0 if self.struck > 0.0 else self.drawing_time - self.drawn
+        told = float(person.push_left), float(person.push_way[0]), float(person.push_way[1])
+        # Of several pushes in this step the soonest counts, whoever comes first in the cast.
+        if person.push_warning < BRACING_TIME or (left, way[0], way[2]) < told:
+            person.push_way[0], person.push_way[1] = way[0], way[2]
+            person.push_left = left
+        person.push_warning = BRACING_TIME
 
     def _is_at_chest(self, controller: PersonController, k: int) -> bool:
         """Tell whether a palm is at the trunk of the character."""

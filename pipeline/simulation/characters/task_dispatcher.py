@@ -295,8 +295,6 @@ class TaskDispatcher(TaskBook):
         frozen = bool(self.controllers[k].record.frozen)
         return frozen or isinstance(self._tasks[k], SitDown | SitOn)
 
-    # --- orders ---------------------------------------------------------------------------
-
 
 def _hold(controller: PersonController, may_grip: bool) -> None:
     """Hold what a person has in its hands; `may_grip` is false if no hand grips a node."""

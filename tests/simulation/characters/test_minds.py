@@ -195,7 +195,7 @@ def test_withdrawal_avoids_obstacles(seed: int) -> None:
         x, z = characters.persons[0].at
         nearest = min(nearest, math.hypot(x + 1.9, z))
     assert nearest > 1.5
-    # The person still moves away from the striker.
+    # The person still moves away from the striker, slowly until it has turned its head.
     assert math.hypot(x - 0.8, z) > 1.15
 
 

@@ -69,6 +69,7 @@ def test_who_sees_a_push_coming_turns_away_from_it(sees_it: bool) -> None:
     play = play_scene(scene if sees_it else scene.replace("heading_deg: 180", "heading_deg: 0"))
     pushed = play.joint("b", "pelvis")
     speeds = np.diff(pushed[:, 0]) * STEPS
+    assert speeds.max() > 0.4
     first = int(np.argmax(speeds > 0.4))
     # A push goes along X: to its side is where the cosine is least.
     headings, gazes = play.records["heading"][:, 1], play.records["gaze"][:, 1, 0]
@@ -79,6 +80,32 @@ def test_who_sees_a_push_coming_turns_away_from_it(sees_it: bool) -> None:
         assert np.cos(gazes[-1]) < -0.9
     else:
         assert np.cos(headings[first]) > 0.9
+
+
+def test_who_is_frozen_forgets_a_push_that_is_called_off() -> None:
+    scene = SCENE.replace("duration: 2.6", "duration: 2.5").replace(
+        "{grapple: b}}]",
+        "{grapple: b}}, {at: 0.75, who: b, do: freeze}, {at: 0.8, who: a, do: {go_to: [-3, 0]}}]",
+    )
+    braces = play_scene(scene).records["braces"][:, 1]
+    assert braces.any()
+    assert not braces[round(1.6 * STEPS) :].any()
+
+
+def test_two_pushes_at_once_do_not_depend_on_the_order_of_the_cast() -> None:
+    people = [
+        "  - {name: a, character: adult, at: [-1.2, 0]}\n",
+        "  - {name: b, character: adult, at: [0, 0], heading_deg: 120}\n",
+        "  - {name: c, character: adult, at: [0, 1.1], heading_deg: 90}\n",
+    ]
+    script = "script: [{at: 0, who: a, do: {grapple: b}}, {at: 0, who: c, do: {grapple: b}}]\n"
+    plays = [
+        play_scene("duration: 1.6\ncast:\n" + "".join(cast) + script)
+        for cast in (people, people[::-1])
+    ]
+    for play, number in zip(plays, (1, 1), strict=True):
+        assert play.records["braces"][:, number].any()
+    assert np.array_equal(*(play.joint("b", "pelvis") for play in plays))
 
 
 @pytest.mark.nightly

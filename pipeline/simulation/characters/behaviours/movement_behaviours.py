@@ -25,6 +25,7 @@ from pipeline.simulation.characters.pain_reflex import (
     WITHDRAWAL_FROUDE,
     WITHDRAWAL_TIME,
     step_back_goal,
+    step_back_way,
     withdrawal_facing,
 )
 from pipeline.simulation.characters.terrain_edge import refuge
@@ -190,7 +191,7 @@ class Withdraw(ConfiguredBehaviour[Urge]):
         away = math.atan2(-offset[1], -offset[0])
         bounds = mind.surroundings.low, mind.surroundings.high
         goal = step_back_goal(mind.at, away, bounds, lambda place: is_way_free(mind, place))
-        way = math.atan2(mind.at[1] - goal[1], goal[0] - mind.at[0])
+        way = step_back_way(mind.at, goal, away)
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),
             pace=WITHDRAWAL_FROUDE * mind.froude_speed,

@@ -164,8 +164,10 @@ def _see_threat(person: Record, dt: float) -> None:
     """Let a person brace itself, hands free, for a push that it sees coming."""
     person.threat_time = max(person.threat_time - dt, 0.0)
     x, z = person.threat[0], person.threat[1]
-    is_seen = math.cos(person.gaze[0]) * x - math.sin(person.gaze[0]) * z < 0.0
-    is_coming = person.threat_time > 0.0 and (person.braces or is_seen)
+    is_coming = person.threat_time > 0.0
+    if is_coming and not person.braces:
+        # Only what it sees.
+        is_coming = math.cos(person.gaze[0]) * x - math.sin(person.gaze[0]) * z < 0.0
     is_free = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
     can_turn = not person.frozen and person.posture != SITTING and not is_down(person)
     is_idle = can_turn and not person.has_goal and not person.has_facing

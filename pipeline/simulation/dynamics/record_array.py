@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Records
 
-
 LINE = 64
 """Bytes that processors read from memory at once."""
 

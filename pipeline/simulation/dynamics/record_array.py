@@ -27,12 +27,12 @@ def cache_lines(fields: Sequence[Any]) -> np.dtype[Any]:
     What is used together should stand together: of a record only the lines that are used are read.
     """
     kind = np.dtype([*fields], align=True)
-    names, known = kind.names or (), kind.fields or {}
+    assert kind.names is not None and kind.fields is not None
     return np.dtype(
         {
-            "names": list(names),
-            "formats": [known[name][0] for name in names],
-            "offsets": [known[name][1] for name in names],
+            "names": list(kind.names),
+            "formats": [kind.fields[name][0] for name in kind.names],
+            "offsets": [kind.fields[name][1] for name in kind.names],
             "itemsize": -(-kind.itemsize // LINE) * LINE,
         },
         align=True,

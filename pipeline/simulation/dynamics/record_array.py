@@ -27,7 +27,8 @@ def cache_lines(fields: Sequence[Any]) -> np.dtype[Any]:
     What is used together should stand together: of a record only the lines that are used are read.
     """
     kind = np.dtype([*fields], align=True)
-    assert kind.names is not None and kind.fields is not None
+    assert kind.names is not None
+    assert kind.fields is not None
     return np.dtype(
         {
             "names": list(kind.names),

@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.record_array import cache_lines
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array
 
@@ -43,24 +44,32 @@ RECENT_TOUCHES = 4  # others that a link knows it is touching
 """What a link touches that is no link: nothing, the ground, the first solid of another room;
 further solids are numbered downward."""
 
-NODE = np.dtype(
+NODE = cache_lines(
     [
-        # Positions [m]: now, one sub-step ago, where locked, when rest was last measured; the
-        # acceleration that control adds to gravity in this sub-step [m/s²].
-        *((name, "f8", 3) for name in ("p", "previous", "lock_place", "anchor", "acceleration")),
-        # Inverse mass, 0 of what stays in place; and in this sub-step, also 0 when locked [1/kg].
-        ("inverse_mass", "f8"),
+        # What constraints and contacts read and move: positions now and one sub-step ago [m];
+        # inverse mass in this sub-step, 0 when locked [1/kg]; radius [m].
+        ("p", "f8", 3),
+        ("previous", "f8", 3),
         ("mobility", "f8"),
-        # [m]
         ("radius", "f8"),
+        # The acceleration that control adds to gravity in this sub-step [m/s²]; inverse mass, 0 of
+        # what stays in place [1/kg].
+        ("acceleration", "f8", 3),
+        ("inverse_mass", "f8"),
         # Damping against the world; the owner's while touching the ground or others, else 0 [1/s].
         ("air_damping", "f8"),
         ("ground_damping", "f8"),
         ("contact_damping", "f8"),
+        # FREE, LOCKED, LANDING or RESTING.
+        ("lock", "i4"),
+        # Whether the hand follows what it holds without moving it, as that of a rider, whose feet
+        # push back as much as its hands push.
+        ("grip_follows", "?"),
+        # Whether it runs on a level bearing, at the height of its lock place.
+        ("on_bearing", "?"),
         # Offset by which contacts of its links push a locked node [m].
         ("contact_push", "f8", 3),
-        # FREE, LOCKED, LANDING or RESTING; its character; the link that touches the ground here.
-        ("lock", "i8"),
+        # Its character; the link that touches the ground here.
         ("owner", "i8"),
         ("ground_link", "i8"),
         # Owner of the node it is gripped together with, or NOBODY.
@@ -69,20 +78,17 @@ NODE = np.dtype(
         ("grip_gap", "f8"),
         # Distance at which it holds what it grips: the radius of a ball [m].
         ("grip_length", "f8"),
+        # Positions where locked, and when rest was last measured [m].
+        ("lock_place", "f8", 3),
+        ("anchor", "f8", 3),
         # Node at the other end of a bar that it holds, or NOBODY; how far along the bar, 0 to 1.
         ("grip_bar", "i8"),
         ("grip_share", "f8"),
-        # Whether the hand follows what it holds without moving it, as that of a rider, whose feet
-        # push back as much as its hands push.
-        ("grip_follows", "?"),
-        # Whether it runs on a level bearing, at the height of its lock place.
-        ("on_bearing", "?"),
-    ],
-    align=True,
+    ]
 )
 """A point mass."""
 
-LINK = np.dtype(
+LINK = cache_lines(
     [
         # End nodes, of a ball the same twice; shortest and longest distance, equal if rigid [m].
         ("ends", "i8", 2),
@@ -108,60 +114,60 @@ LINK = np.dtype(
         # What it has touched of late: owners, SOLID - thing, or NOBODY; time since it did [s].
         ("recent", "i8", RECENT_TOUCHES),
         ("recent_age", "f8", RECENT_TOUCHES),
-    ],
-    align=True,
+    ]
 )
 """A constraint between two nodes, and the capsule around them."""
 
-OWNER = np.dtype(
+OWNER = cache_lines(
     [
+        # Bounding box of its balls [m].
+        ("low", "f8", 3),
+        ("high", "f8", 3),
+        # Deepest contact in this sub-step [m].
+        ("penetration", "f8"),
+        # Whether contacts are solved for it now.
+        ("active", "?"),
+        # Whether its constraints held before they were last enforced, and nothing moved it since.
+        ("settled", "?"),
+        # Whether it acts, and never sleeps; whether it sleeps.
+        ("acts", "?"),
+        ("asleep", "?"),
+        # Whether some of its nodes run on a bearing.
+        ("on_bearing", "?"),
+        # Whether a dance guides its arms, which keeps them out of its own body.
+        ("is_guided", "?"),
+        # Whether its own links are deep in one another.
+        ("self_penetrating", "?"),
         # First and number of its nodes, links, middles, limbs and pairs of own links.
         ("nodes", "i8", 2),
         ("links", "i8", 2),
         ("middles", "i8", 2),
         ("limbs", "i8", 2),
         ("pairs", "i8", 2),
+        # Radius of the edges of a box, whose nodes are its eight corners; 0 of other shapes [m].
+        ("edge_radius", "f8"),
         # [kg]; Coulomb's coefficient; speed after / before an impact.
         ("mass", "f8"),
         ("friction", "f8"),
         ("bounciness", "f8"),
         # Damping of what touches the ground [1/s].
         ("ground_damping", "f8"),
+        # Speed of its fastest node [m/s].
+        ("speed", "f8"),
         # Kinetic energy above which a touch hurts, infinite for things [J]; present pain: 1 for a
         # touch of twice that, decaying.
         ("pain_threshold", "f8"),
         ("pain", "f8"),
-        # Radius of the edges of a box, whose nodes are its eight corners; 0 of other shapes [m].
-        ("edge_radius", "f8"),
-        # Whether some of its nodes run on a bearing.
-        ("on_bearing", "?"),
-        # Deepest contact in this sub-step [m].
-        ("penetration", "f8"),
-        # Whether its constraints held before they were last enforced, and nothing moved it since.
-        ("settled", "?"),
-        # Whether its own links are deep in one another, and for how long [s].
-        ("self_penetrating", "?"),
+        # For how long its own links are deep in one another [s].
         ("tangled_time", "f8"),
-        # Whether contacts are solved for it now.
-        ("active", "?"),
-        # Whether a dance guides its arms, which keeps them out of its own body.
-        ("is_guided", "?"),
         # Owner around whom its arms are put, or NOBODY.
         ("embraces", "i8"),
         # Merry-go-round whose deck it may stand on, or NOBODY.
         ("stands_on", "i8"),
-        # Whether it acts, and never sleeps; whether it sleeps; time since rest was measured [s],
-        # and number of measurements without much movement; speed of its fastest node [m/s].
-        ("acts", "?"),
-        ("asleep", "?"),
+        # Time since rest was measured [s], and number of measurements without much movement.
         ("watch_time", "f8"),
         ("still_count", "i8"),
-        ("speed", "f8"),
-        # Bounding box of its balls [m].
-        ("low", "f8", 3),
-        ("high", "f8", 3),
-    ],
-    align=True,
+    ]
 )
 """A character."""
 

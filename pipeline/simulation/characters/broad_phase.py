@@ -72,32 +72,29 @@ def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Work
 
 
 @inlined
-def update_bounds(nodes: Records, owners: Records, measured: Array, travel: Array) -> None:
-    """Update the bounding boxes of characters, and what two of their links may have come nearer.
+def update_bounds(nodes: Records, owner: Record, measured: Array) -> float:
+    """Update the bounding box of a character; return how much nearer two of its links may be [m].
 
     That is at most twice the longest way of a node, along with the first node of the character.
 
     Args:
         nodes: of all characters.
-        owners: all characters; changed.
+        owner: the character; changed.
         measured: (N, 3) places of the nodes at the update before [m]; changed.
-        travel: (C,) of the characters [m]; changed.
     """
-    for c in range(len(owners)):
-        owner = owners[c]
-        first, farthest = owner.nodes[0], 0.0
-        low = high = triple(nodes[first].p)
-        shift = minus(low, triple(measured[first]))
-        for i in range(first, first + owner.nodes[1]):
-            p, r = triple(nodes[i].p), nodes[i].radius
-            low = min(low[0], p[0] - r), min(low[1], p[1] - r), min(low[2], p[2] - r)
-            high = max(high[0], p[0] + r), max(high[1], p[1] + r), max(high[2], p[2] + r)
-            way = minus(minus(p, triple(measured[i])), shift)
-            farthest = max(farthest, dot(way, way))
-            set_triple(measured[i], p)
-        set_triple(owner.low, low)
-        set_triple(owner.high, high)
-        travel[c] += 2.0 * math.sqrt(farthest)
+    first, farthest = owner.nodes[0], 0.0
+    low = high = triple(nodes[first].p)
+    shift = minus(low, triple(measured[first]))
+    for i in range(first, first + owner.nodes[1]):
+        p, r = triple(nodes[i].p), nodes[i].radius
+        low = min(low[0], p[0] - r), min(low[1], p[1] - r), min(low[2], p[2] - r)
+        high = max(high[0], p[0] + r), max(high[1], p[1] + r), max(high[2], p[2] + r)
+        way = minus(minus(p, triple(measured[i])), shift)
+        farthest = max(farthest, dot(way, way))
+        set_triple(measured[i], p)
+    set_triple(owner.low, low)
+    set_triple(owner.high, high)
+    return 2.0 * math.sqrt(farthest)
 
 
 @inlined

@@ -16,6 +16,8 @@ from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import Vector, length, minus, plus, times, triple
 
 LENGTH_TOLERANCE = 2e-3  # relative error of a link at which iteration stops
+SURE = 0.999  # part of a tolerance below which rounding cannot exceed it
+LIMIT_WEIGHT = 0.2  # of errors of links that are not rigid: limits may be off more, unseen
 MAX_ITERATIONS = 40
 GUIDED_LIMBS = 2  # arms, the last limbs of a person
 GRIP_CLOSING_SPEED = 1.0  # at which a hand and what it grips come together [m/s]
@@ -25,30 +27,31 @@ GRIP_TOLERANCE = 5e-4  # [m]
 @inlined
 def project_constraints(
     nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
-) -> float:
+) -> bool:
     """Project the links, middles and joint limits of one character once, and note if it is settled.
 
     Returns:
-        The largest relative error of a length before.
+        Whether all lengths were right before.
     """
     first = owner.links[0]
-    largest = 0.0
+    is_right = True
     for n in range(first, first + owner.links[1]):
         link = links[n]
-        largest = max(largest, _project_link(nodes[link.ends[0]], nodes[link.ends[1]], link))
+        is_right = _project_link(nodes[link.ends[0]], nodes[link.ends[1]], link) and is_right
     first = owner.middles[0]
     for n in range(first, first + owner.middles[1]):
         m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
-        largest = max(largest, _project_middle(nodes[m], nodes[i], nodes[j]))
+        offset = _project_middle(nodes[m], nodes[i], nodes[j])
+        is_right = is_right and offset <= LENGTH_TOLERANCE
     is_limited = False
     if owner.limbs[1] > 0:
         is_limited = limit_limbs(nodes, limbs, owner.limbs[0], _limited_limbs(owner))
-    owner.settled = largest <= LENGTH_TOLERANCE and not is_limited
+    owner.settled = is_right and not is_limited
     if owner.on_bearing:
         for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
             if nodes[i].on_bearing:
                 nodes[i].p[1] = nodes[i].previous[1] = nodes[i].lock_place[1]
-    return largest
+    return is_right
 
 
 @inlined
@@ -58,7 +61,7 @@ def finish_constraints(
     """Iterate the constraints of one character to tolerance, unless settled, and set its joints."""
     if not owner.settled:
         for _ in range(MAX_ITERATIONS):
-            if project_constraints(nodes, links, middles, limbs, owner) <= LENGTH_TOLERANCE:
+            if project_constraints(nodes, links, middles, limbs, owner):
                 break
     _set_joints(nodes, limbs, owner)
 
@@ -133,11 +136,11 @@ def finish_grips(
     if not _activate_gripping(nodes, owners, grips):
         return
     for _ in range(MAX_ITERATIONS):
-        largest = 0.0
+        is_right = True
         for c in range(len(owners)):
             if owners[c].active and not owners[c].settled:
-                largest = max(largest, project_constraints(nodes, links, middles, limbs, owners[c]))
-        if project_grips(nodes, owners, grips) <= GRIP_TOLERANCE and largest <= LENGTH_TOLERANCE:
+                is_right = project_constraints(nodes, links, middles, limbs, owners[c]) and is_right
+        if project_grips(nodes, owners, grips) <= GRIP_TOLERANCE and is_right:
             break
     for c in range(len(owners)):
         if owners[c].active:
@@ -187,15 +190,15 @@ def is_gripped(nodes: Records, one: Record, other: Record) -> bool:
 
 
 @inlined
-def _project_link(one: Record, other: Record, link: Record) -> float:
-    """Move the ends of a link; return its relative error."""
+def _project_link(one: Record, other: Record, link: Record) -> bool:
+    """Move the ends of a link; tell whether its length was right."""
     p, q = one.p, other.p
     x, y, z = p[0] - q[0], p[1] - q[1], p[2] - q[2]
     squared = x * x + y * y + z * z
     shortest, longest = link.length_limits[0], link.length_limits[1]
     mobility = one.mobility + other.mobility
     if shortest * shortest <= squared <= longest * longest or mobility == 0.0 or squared == 0.0:
-        return 0.0
+        return True
     distance = math.sqrt(squared)
     wanted = shortest if distance < shortest else longest
     share = (distance - wanted) / (distance * mobility)
@@ -206,9 +209,12 @@ def _project_link(one: Record, other: Record, link: Record) -> float:
     q[0] += b * x
     q[1] += b * y
     q[2] += b * z
-    # Limits may be off a little more, unseen.
-    error: float = abs(distance - wanted) / wanted
-    return error if shortest == longest else 0.2 * error
+    error: float = abs(distance - wanted)
+    if error < SURE * LENGTH_TOLERANCE * wanted:
+        # Most are, and need no division.
+        return True
+    weight = 1.0 if shortest == longest else LIMIT_WEIGHT
+    return weight * (error / wanted) <= LENGTH_TOLERANCE
 
 
 @inlined

@@ -39,9 +39,10 @@ from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.making_way import PERSONAL_SPACE, SMOOTHING, make_way
 from pipeline.simulation.characters.neighbours import (
     Numbers,
-    find_neighbours,
+    find_within,
     insert_nearest,
     order_along_x,
+    places_in_order,
 )
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
@@ -111,6 +112,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
     """Choose the sidestep of every person, once a step."""
     gather_groups(persons)
     order, near = order_along_x(persons), np.zeros(len(persons), dtype=np.int64)
+    places = places_in_order(persons, order)
     nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
     seen = np.zeros(MOST_SEEN, dtype=np.int64)
     barriers = np.zeros(MOST_BARRIERS, dtype=np.int64)
@@ -125,13 +127,14 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
             person.lateness = 0.0
             person.arms_wanted_in = 0.0
             person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
-            make_way(persons, order, n, near)
+            make_way(persons, places, order, n, near)
         else:
             person.gave_way = False
             if person.looked == 0:
-                count = _find_nearest(persons, order, n, near, nearest)
+                count = _find_nearest(persons, places, order, n, near, nearest)
                 rooms = near, seen, barriers, lines, projected
-                _choose_sidestep(persons, owners, solids, order, n, nearest[:count], rooms)
+                crowd = places, order
+                _choose_sidestep(persons, owners, solids, crowd, n, nearest[:count], rooms)
             for c in range(2):
                 change = person.wanted_sidestep[c] - person.sidestep[c]
                 person.sidestep[c] += SMOOTHING * change
@@ -143,7 +146,7 @@ def _choose_sidestep(
     persons: Records,
     owners: Records,
     solids: Solids,
-    order: Numbers,
+    crowd: tuple[Array, Numbers],
     n: int,
     nearest: Numbers,
     rooms: tuple[Numbers, Numbers, Numbers, Array, Array],
@@ -154,13 +157,14 @@ def _choose_sidestep(
         persons: `PERSON` records.
         owners: `OWNER` records.
         solids: what stands about.
-        order: numbers of the persons along x.
+        crowd: (P, 2) x and z of the persons in their order along x [m], and their numbers in it.
         n: the person's place in the order.
         nearest: numbers of the nearest people.
         rooms: for the numbers of all people, of those it sees and of walls, and for the lines of
             walls and two of each of the nearest, twice.
     """
-    person, (near, seen, barriers, lines, projected) = persons[order[n]], rooms
+    (places, order), (near, seen, barriers, lines, projected) = crowd, rooms
+    person = persons[order[n]]
     person.has_passage = False
     count = len(nearest)
     alone_x, alone_z = goal_velocity(person)
@@ -171,7 +175,7 @@ def _choose_sidestep(
     if count > 0:
         found = _find_walls(owners, person, solids, barriers, wanted_x, wanted_z)
     x, z, in_crowd = head_for_gap(
-        persons, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
+        persons, places, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
     )
     keep_arms_in(persons, person, nearest, count, in_crowd)
     free_x, free_z = wanted_x, wanted_z
@@ -298,16 +302,18 @@ def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) ->
 
 
 @allocating
-def _find_nearest(persons: Records, order: Numbers, n: int, near: Numbers, nearest: Numbers) -> int:
+def _find_nearest(
+    persons: Records, places: Array, order: Numbers, n: int, near: Numbers, nearest: Numbers
+) -> int:
     """Write the numbers of the nearest people whom the n-th in order sees; return how many."""
     person = persons[order[n]]
     squares = np.zeros(MOST_NEIGHBOURS)
     count = 0
-    for m in range(find_neighbours(persons, order, n, SIGHT_RANGE, near)):
+    for m in range(find_within(places, order, n, SIGHT_RANGE, near)):
         other = persons[near[m]]
         x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
         square = x * x + z * z
-        if other.owner != person.partner and 1e-18 < square < SIGHT_RANGE**2:
+        if other.owner != person.partner and square > 1e-18:
             count = insert_nearest(squares, nearest, count, square, near[m])
     return count
 

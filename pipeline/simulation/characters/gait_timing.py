@@ -34,9 +34,16 @@ def spring_step(
         omega: settled after about 5/ω [rad/s].
         dt: [s].
     """
+    return decayed_step(x, rate, target, omega, dt, math.exp(-omega * dt))
+
+
+@inlined
+def decayed_step(
+    x: float, rate: float, target: float, omega: float, dt: float, decay: float
+) -> tuple[float, float]:
+    """Return what `spring_step` does, of which exp(-ω dt) is known: several springs share it."""
     offset = x - target
     slope = rate + omega * offset
-    decay = math.exp(-omega * dt)
     return target + (offset + slope * dt) * decay, (rate - omega * slope * dt) * decay
 
 
@@ -131,7 +138,9 @@ def gait_pace(person: Record) -> tuple[float, float]:
     leg = leg_length(person)
     speed = ground_speed(person)
     # In turns and after pushes, steps are as brisk as in a slow walk.
-    rate = max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg))
+    if speed != person.stride_speed or person.stride_rate == 0.0:
+        person.stride_speed, person.stride_rate = speed, stride_rate(speed, leg)
+    rate = max(person.stride_rate, 0.29 * math.sqrt(GRAVITY / leg))
     return rate * (1.0 + person.hurry) / (1.0 + person.slowing), person.duty
 
 

@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from pipeline.simulation.characters.barriers import free_way
-from pipeline.simulation.characters.neighbours import Numbers, find_neighbours, insert_nearest
+from pipeline.simulation.characters.neighbours import Numbers, find_within, insert_nearest
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
@@ -30,6 +30,7 @@ from pipeline.simulation.dynamics.compiled import (
     inlined,
 )
 from pipeline.simulation.dynamics.vectors import hypotenuse
+from pipeline.simulation.spatial import Array
 
 SIGHT = 6.0  # distance ahead up to which gaps are judged [m]
 CROWD = 4  # people within sight and ahead from whom on a walker looks for gaps
@@ -51,6 +52,7 @@ MOST_SEEN = 24
 @compiled
 def head_for_gap(
     persons: Records,
+    places: Array,
     order: Numbers,
     n: int,
     near: Numbers,
@@ -66,6 +68,7 @@ def head_for_gap(
 
     Args:
         persons: `PERSON` records.
+        places: (P, 2) x and z of all people in their order along x [m].
         order: their numbers along x.
         n: the person's place in the order.
         near: room for all people.
@@ -79,7 +82,7 @@ def head_for_gap(
     speed = hypotenuse(x, z)
     count = 0
     if speed > 0.1:
-        count = _people_ahead(persons, order, n, near, seen, x / speed, z / speed)
+        count = _people_ahead(persons, places, order, n, near, seen, x / speed, z / speed)
     angle = 0.0
     if count >= CROWD:
         left = hypotenuse(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
@@ -95,18 +98,25 @@ def head_for_gap(
 
 @allocating
 def _people_ahead(
-    persons: Records, order: Numbers, n: int, near: Numbers, seen: Numbers, x: float, z: float
+    persons: Records,
+    places: Array,
+    order: Numbers,
+    n: int,
+    near: Numbers,
+    seen: Numbers,
+    x: float,
+    z: float,
 ) -> int:
     """Write the numbers of the nearest people before one that goes along x, z; return how many."""
     person = persons[order[n]]
     count = 0
     squares = np.zeros(MOST_SEEN)
-    for m in range(find_neighbours(persons, order, n, SIGHT, near)):
+    for m in range(find_within(places, order, n, SIGHT, near)):
         other = persons[near[m]]
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         is_other = other.owner != person.partner and not walks_with(person, other)
         square = dx * dx + dz * dz
-        if is_other and square < SIGHT * SIGHT and dx * x + dz * z > 0.0:
+        if is_other and dx * x + dz * z > 0.0:
             count = insert_nearest(squares, seen, count, square, near[m])
     return count
 
@@ -124,27 +134,25 @@ def _best_direction(
     farthest: float,
 ) -> float:
     """Return the turn from the way to the goal that leads nearest to it [rad]."""
-    # Velocity along x and z, its size, and the free way of each direction.
-    ways = np.empty((len(TURNS), 4))
+    # Velocity along x and z, its size, and the free way, each of all directions.
+    ways = np.empty((4, len(TURNS)))
     for k in range(len(TURNS)):
         c, s = TURN_COSINES[k], TURN_SINES[k]
-        ways[k, 0], ways[k, 1] = c * x - s * z, s * x + c * z
-        ways[k, 2], ways[k, 3] = hypotenuse(ways[k, 0], ways[k, 1]), farthest
+        ways[0, k], ways[1, k] = c * x - s * z, s * x + c * z
+        ways[2, k], ways[3, k] = hypotenuse(ways[0, k], ways[1, k]), farthest
     for wall in walls:
         for k in range(len(TURNS)):
-            size = max(ways[k, 2], 1e-9)
-            free = free_way(person, solids, wall, ways[k, 0] / size, ways[k, 1] / size, farthest)
-            ways[k, 3] = min(ways[k, 3], free)
+            size = max(ways[2, k], 1e-9)
+            free = free_way(person, solids, wall, ways[0, k] / size, ways[1, k] / size, farthest)
+            ways[3, k] = min(ways[3, k], free)
     for m in seen:
         other = persons[m]
         x_off, z_off, room = _room_before(person, other)
         v_x, v_z = expected_velocity(other)
-        for k in range(len(TURNS)):
-            time = _meeting_time(x_off, z_off, room, ways[k, 0] - v_x, ways[k, 1] - v_z)
-            ways[k, 3] = min(ways[k, 3], time * ways[k, 2])
+        _shorten_ways(ways, x_off, z_off, room, v_x, v_z)
     best, cheapest = 0.0, math.inf
     for k in range(len(TURNS)):
-        free = ways[k, 3]
+        free = ways[3, k]
         cost = farthest * farthest + free * free - 2.0 * farthest * free * TURN_COSINES[k]
         if abs(TURNS[k] - person.detour) < 0.6 * WIDEST / DIRECTIONS:
             cost *= HABIT
@@ -187,20 +195,24 @@ def _room_before(person: Record, other: Record) -> tuple[float, float, float]:
 
 
 @inlined
-def _meeting_time(x: float, z: float, room: float, wx: float, wz: float) -> float:
-    """Return the time in which a person meets another, infinite if it does not [s].
+def _shorten_ways(
+    ways: Array, x: float, z: float, room: float, other_x: float, other_z: float
+) -> None:
+    """Shorten ways of a person to where it meets another, all at once: without branches.
 
     Args:
+        ways: (4, K) velocities along x and z, their sizes [m/s], and free ways [m]; changed.
         x: offset of the other [m].
         z: of the same.
         room: its squared distance less the squared gap at which they meet [m²].
-        wx: velocity relative to the other [m/s].
-        wz: of the same.
+        other_x: velocity of the other [m/s].
+        other_z: of the same.
     """
-    along, speed = x * wx + z * wz, wx * wx + wz * wz
-    if along <= 0.0:
-        return math.inf
-    root = along * along - speed * room
-    if root < 0.0:
-        return math.inf
-    return (along - math.sqrt(root)) / speed
+    for k in range(ways.shape[1]):
+        wx, wz = ways[0, k] - other_x, ways[1, k] - other_z
+        along, speed = x * wx + z * wz, wx * wx + wz * wz
+        root = along * along - speed * room
+        time = (along - math.sqrt(max(root, 0.0))) / (speed if speed > 0.0 else 1.0)
+        met = time * ways[2, k]
+        is_nearer = (along > 0.0) & (root >= 0.0) & (met < ways[3, k])
+        ways[3, k] = met if is_nearer else ways[3, k]

@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterArrays
+import numpy as np
+
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterArrays, IntArray
 from pipeline.simulation.characters.gait_timing import (
     ground_speed,
     leg_length,
@@ -22,7 +24,13 @@ from pipeline.simulation.characters.gait_timing import (
 )
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.solid_arrays import Solids
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.dynamics.compiled import (
+    Record,
+    Records,
+    allocating,
+    compiled,
+    inlined,
+)
 from pipeline.simulation.dynamics.vectors import Vector, hypotenuse
 
 # What is a hurdle. Lengths in leg lengths.
@@ -49,7 +57,7 @@ OVERHANG = 0.7  # of its rise, by which a foot with only its heel or toes above 
 TOE_CLEARANCE = 0.035  # above a hurdle, in leg lengths
 
 
-@compiled
+@allocating
 def notice_hurdles(arrays: CharacterArrays, persons: Records, solids: Solids, dt: float) -> None:
     """Let all people choose the hurdle that they mind, and look whether they see it.
 
@@ -59,6 +67,7 @@ def notice_hurdles(arrays: CharacterArrays, persons: Records, solids: Solids, dt
         solids: of other rooms.
         dt: time since this was last done [s].
     """
+    still = _still_owners(arrays.owners)
     for i in range(len(persons)):
         person = persons[i]
         if person.posture == SITTING or person.frozen or person.kick_foot >= 0:
@@ -67,7 +76,7 @@ def notice_hurdles(arrays: CharacterArrays, persons: Records, solids: Solids, dt
         if not person.stepping and not person.has_goal:
             continue
         last = person.hurdle
-        _choose(person, arrays, solids)
+        _choose(person, arrays, still, solids)
         if person.hurdle != last:
             person.hurdle_time, person.hurdle_seen = 0.0, False
         if person.hurdle != NOBODY and not person.hurdle_seen:
@@ -75,11 +84,11 @@ def notice_hurdles(arrays: CharacterArrays, persons: Records, solids: Solids, dt
 
 
 @compiled
-def _choose(person: Record, arrays: CharacterArrays, solids: Solids) -> None:
+def _choose(person: Record, arrays: CharacterArrays, still: IntArray, solids: Solids) -> None:
     """Choose the nearest thing that a person comes upon, and describe its rectangle."""
     person.hurdle = NOBODY
     least = _choose_solid(person, solids, NOTICE_RANGE * leg_length(person))
-    _choose_owner(person, arrays, least)
+    _choose_owner(person, arrays, still, least)
 
 
 @compiled
@@ -110,12 +119,23 @@ def _may_catch(person: Record, solid: Record) -> bool:
     return not (moves or _is_acted_on(person, SOLID - solid.thing))
 
 
+@allocating
+def _still_owners(owners: Records) -> IntArray:
+    """Return the numbers of characters that lie or stand still, and do not act."""
+    found, count = np.empty(len(owners), dtype=np.int64), 0
+    for n in range(len(owners)):
+        if not owners[n].acts and owners[n].speed <= STILL_SPEED:
+            found[count] = n
+            count += 1
+    return found[:count]
+
+
 @compiled
-def _choose_owner(person: Record, arrays: CharacterArrays, least: float) -> None:
-    """Choose the nearest low character that is nearer than a distance [m]."""
-    for n in range(len(arrays.owners)):
+def _choose_owner(person: Record, arrays: CharacterArrays, still: IntArray, least: float) -> None:
+    """Choose the nearest low character, of those still, that is nearer than a distance [m]."""
+    for n in still:
         owner = arrays.owners[n]
-        if n == person.owner or n == person.deck or owner.acts or owner.speed > STILL_SPEED:
+        if n == person.owner or n == person.deck:
             continue
         if not _is_low(person, owner.low[1], owner.high[1]):
             continue

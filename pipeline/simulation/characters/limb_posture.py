@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.gait_timing import (
+    decayed_step,
     froude,
     ground_speed,
     leg_length,
@@ -102,6 +103,9 @@ def advance_stoop(person: Record, dt: float) -> None:
 def hold_arms(person: Record, dt: float) -> None:
     """Set the targets of elbows and hands."""
     chest, frame = chest_frame(person)
+    decay = math.exp(-HAND_RATE * dt)
+    quick_rate = 1.6 * HAND_RATE
+    quick_decay = math.exp(-quick_rate * dt)
     for k in range(2):
         shoulder = row(person.targets, SHOULDER + k)
         swing_place = _swing_place(person, k)
@@ -111,19 +115,21 @@ def hold_arms(person: Record, dt: float) -> None:
         elif person.posture == SITTING:
             place = _in_lap(person, k, chest, frame)
         blend_target = 0.0 if person.arm_mode[k] == SWINGING and person.posture != SITTING else 1.0
-        person.hand_blend[k], person.hand_blend_rate[k] = spring_step(
-            person.hand_blend[k], person.hand_blend_rate[k], blend_target, HAND_RATE, dt
+        person.hand_blend[k], person.hand_blend_rate[k] = decayed_step(
+            person.hand_blend[k], person.hand_blend_rate[k], blend_target, HAND_RATE, dt, decay
         )
-        person.embrace_blend[k], person.embrace_blend_rate[k] = spring_step(
+        person.embrace_blend[k], person.embrace_blend_rate[k] = decayed_step(
             person.embrace_blend[k],
             person.embrace_blend_rate[k],
             1.0 if person.arm_mode[k] == HUGGING else 0.0,
             HAND_RATE,
             dt,
+            decay,
         )
         for c in range(3):
-            person.hand_place[k, c], person.hand_velocity[k, c] = spring_step(
-                person.hand_place[k, c], person.hand_velocity[k, c], place[c], 1.6 * HAND_RATE, dt
+            person.hand_place[k, c], person.hand_velocity[k, c] = decayed_step(
+                *(person.hand_place[k, c], person.hand_velocity[k, c], place[c]),
+                *(quick_rate, dt, quick_decay),
             )
         blend = person.hand_blend[k]
         held = row(person.hand_place, k)

@@ -8,6 +8,7 @@ from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.neighbours import Numbers, find_neighbours
 from pipeline.simulation.characters.person_record import SITTING, SWINGING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.spatial import Array
 
 WAY_RANGE, WAY_WIDTH = 1.6, 0.7  # ahead and aside, in which standing people make way [m]
 WAY_SPEED = 0.6  # at which they do [m/s]
@@ -20,16 +21,23 @@ SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
 
 
 @compiled
-def make_way(persons: Records, order: Numbers, n: int, near: Numbers) -> None:
+def make_way(persons: Records, places: Array, order: Numbers, n: int, near: Numbers) -> None:
     """Let a standing person with nothing to do step aside for those who squeeze through.
 
     When they have passed, it goes back to where it stood, as soon as that is free.
+
+    Args:
+        persons: `PERSON` records.
+        places: (P, 2) x and z of all people in their order along x [m].
+        order: their numbers along x.
+        n: the person's place in the order.
+        near: room for all people.
     """
     person = persons[order[n]]
     x, z = 0.0, 0.0
     if _is_idle(person):
-        x, z = _way_asked(persons, order, n, near)
-        x, z = _clear_of_others(persons, order, n, near, x, z)
+        x, z = _way_asked(persons, places, order, n, near)
+        x, z = _clear_of_others(persons, places, order, n, near, x, z)
         if x != 0.0 or z != 0.0:
             if not person.gave_way:
                 person.gave_way = True
@@ -56,11 +64,13 @@ def _is_idle(person: Record) -> bool:
 
 
 @compiled
-def _way_asked(persons: Records, order: Numbers, n: int, near: Numbers) -> tuple[float, float]:
+def _way_asked(
+    persons: Records, places: Array, order: Numbers, n: int, near: Numbers
+) -> tuple[float, float]:
     """Return the velocity at which a person makes way for those who squeeze through [m/s]."""
     person = persons[order[n]]
     x, z = 0.0, 0.0
-    for m in range(find_neighbours(persons, order, n, WAY_RANGE, near)):
+    for m in range(find_neighbours(places, order, n, WAY_RANGE, near)):
         other = persons[near[m]]
         dx, dz = person.at[0] - other.at[0], person.at[1] - other.at[1]
         if other.has_goal and other.impatience > 0.0 and other.partner != person.owner:
@@ -77,13 +87,13 @@ def _way_asked(persons: Records, order: Numbers, n: int, near: Numbers) -> tuple
 
 @compiled
 def _clear_of_others(
-    persons: Records, order: Numbers, n: int, near: Numbers, x: float, z: float
+    persons: Records, places: Array, order: Numbers, n: int, near: Numbers, x: float, z: float
 ) -> tuple[float, float]:
     """Return a velocity without what leads into the way of other people [m/s]."""
     person = persons[order[n]]
     if x == 0.0 and z == 0.0:
         return x, z
-    for m in range(find_neighbours(persons, order, n, WAY_RANGE, near)):
+    for m in range(find_neighbours(places, order, n, WAY_RANGE, near)):
         other = persons[near[m]]
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         distance = max(math.hypot(dx, dz), 1e-9)

@@ -57,10 +57,18 @@ from pipeline.simulation.characters.recovery import is_down, recover
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.trip import catch_feet
 from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest, sway_in_place
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid
-from pipeline.simulation.dynamics.vectors import hypotenuse
+from pipeline.simulation.dynamics.vectors import (
+    hypotenuse,
+    minus,
+    plus,
+    row,
+    set_triple,
+    times,
+    triple,
+)
 
 # Blows slacken muscles.
 STUN_ENERGY = 0.5  # of a blow that leaves muscles quite slack, per kilogram of the body [J/kg]
@@ -230,6 +238,12 @@ def muscle_rate(k: int) -> float:
     return LIMB_RATE if is_limb else TRUNK_RATE
 
 
+@inlined
+def _limited(offset: float) -> float:
+    """Return an offset [m], no farther than muscles pull stronger."""
+    return min(max(offset, -MAX_PULL_DISTANCE), MAX_PULL_DISTANCE)
+
+
 @compiled
 def drive_nodes(person: Record, nodes: Records, part: float, span: float, h: float) -> None:
     """Act on all nodes of a person for a sub-step.
@@ -245,12 +259,16 @@ def drive_nodes(person: Record, nodes: Records, part: float, span: float, h: flo
     targets, before = person.targets, person.previous_targets
     for k in range(FOOT):
         node, omega = nodes[person.node + k], muscle_rate(k) * slackness
-        for c in range(3):
-            v, way = (node.p[c] - node.previous[c]) / h, targets[k, c] - before[k, c]
-            offset = before[k, c] + part * way - node.p[c]
-            offset = min(max(offset, -MAX_PULL_DISTANCE), MAX_PULL_DISTANCE)
-            node.acceleration[c] += omega * (omega * offset + 2.0 * (way / span - v))
-        node.acceleration[1] += GRAVITY
+        p, previous, start = triple(node.p), triple(node.previous), row(before, k)
+        way, pull = minus(row(targets, k), start), triple(node.acceleration)
+        # All read before any is written, so that they are calculated together.
+        v = (p[0] - previous[0]) / h, (p[1] - previous[1]) / h, (p[2] - previous[2]) / h
+        wanted = way[0] / span, way[1] / span, way[2] / span
+        offset = minus(plus(start, times(part, way)), p)
+        offset = _limited(offset[0]), _limited(offset[1]), _limited(offset[2])
+        gain = plus(times(omega, offset), times(2.0, minus(wanted, v)))
+        pull = plus(pull, times(omega, gain))
+        set_triple(node.acceleration, (pull[0], pull[1] + GRAVITY, pull[2]))
     for k in range(2):
         _drive_foot(person, nodes, k, part, span, h)
 

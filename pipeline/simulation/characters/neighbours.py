@@ -24,25 +24,53 @@ def order_along_x(persons: Records) -> Numbers:
     return order
 
 
+@allocating
+def places_in_order(persons: Records, order: Numbers) -> Array:
+    """Return (n, 2) x and z of people in an order [m], side by side in memory."""
+    places = np.empty((len(order), 2))
+    for n in range(len(order)):
+        at = persons[order[n]].at
+        places[n, 0], places[n, 1] = at[0], at[1]
+    return places
+
+
 @compiled
-def find_neighbours(persons: Records, order: Numbers, n: int, reach: float, found: Numbers) -> int:
+def find_neighbours(places: Array, order: Numbers, n: int, reach: float, found: Numbers) -> int:
     """Write the numbers of all people about a person; return how many.
 
     They are at most `reach` from it along x, those on either side from near to far.
 
     Args:
-        persons: `PERSON` records.
+        places: (P, 2) x and z of all people in their order along x [m].
         order: their numbers along x.
         n: the person's place in the order.
         reach: along x [m].
         found: written; room for all people.
     """
-    x, count = persons[order[n]].at[0], 0
+    x, count = places[n, 0], 0
     for direction in (-1, 1):
         m = n + direction
-        while 0 <= m < len(order) and abs(persons[order[m]].at[0] - x) <= reach:
+        while 0 <= m < len(order) and abs(places[m, 0] - x) <= reach:
             found[count] = order[m]
             count += 1
+            m += direction
+    return count
+
+
+@compiled
+def find_within(places: Array, order: Numbers, n: int, reach: float, found: Numbers) -> int:
+    """Write the numbers of all people less than `reach` from a person; return how many.
+
+    Arguments and order are those of `find_neighbours`.
+    """
+    x, z, count = places[n, 0], places[n, 1], 0
+    for direction in (-1, 1):
+        m = n + direction
+        while 0 <= m < len(order) and abs(places[m, 0] - x) <= reach:
+            off_x, off_z = places[m, 0] - x, places[m, 1] - z
+            if off_x * off_x + off_z * off_z < reach * reach:
+                found[count] = order[m]
+                count += 1
             m += direction
     return count
 

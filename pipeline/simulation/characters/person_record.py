@@ -93,6 +93,9 @@ PERSON = np.dtype(
         # behind, as fractions.
         ("slowing", "f8"),
         ("hurry", "f8"),
+        # Speed for which the stride rate was last calculated [m/s], and that rate [1/s].
+        ("stride_speed", "f8"),
+        ("stride_rate", "f8"),
         ("pitch", "f8", 2),
         ("liftoff_pitch", "f8", 2),
         ("ankles", "f8", (2, 3)),

@@ -37,28 +37,78 @@ from pipeline.simulation.characters.solid_contacts import find_solids, meet_soli
 from pipeline.simulation.characters.terrain_contacts import separate_from_ground
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry, inlined
 from pipeline.simulation.dynamics.terrain_grid import Grid
+from pipeline.simulation.spatial import Array
+
+
+@compiled
+def _move_characters(
+    arrays: CharacterArrays, measured: Array, travel: Array, gravity: float, h: float
+) -> None:
+    """Move all nodes by a sub-step, one character after the other, and update its bounds.
+
+    So its nodes are read from memory only once.
+    """
+    rates = 0.0, 1.0, 0.0, 0.0
+    for c in range(len(arrays.owners)):
+        owner = arrays.owners[c]
+        rates = _move_character(arrays.nodes, arrays.links, owner, rates, gravity, h)
+        travel[c] += update_bounds(arrays.nodes, owner, measured)
 
 
 @inlined
-def integrate(nodes: Records, gravity: float, h: float) -> None:
-    """Move all nodes by a sub-step.
+def _move_character(
+    nodes: Records,
+    links: Records,
+    owner: Record,
+    rates: tuple[float, float, float, float],
+    gravity: float,
+    h: float,
+) -> tuple[float, float, float, float]:
+    """Damp the links of a character and move its nodes by a sub-step.
+
+    Args:
+        nodes: of all characters.
+        links: of all characters.
+        owner: the character.
+        rates: of damping and the part of a motion that is kept with it, and the same of links and
+            the part that is lost; those of the character before, for most are alike.
+        gravity: [m/s²].
+        h: the sub-step [s].
+
+    Returns:
+        The rates of this character.
+    """
+    rate, kept, link_rate, lost = rates
+    link_rate, lost = damp_links(nodes, links, owner, link_rate, lost, h)
+    rate, kept = integrate(nodes, owner, rate, kept, gravity, h)
+    return rate, kept, link_rate, lost
+
+
+@inlined
+def integrate(
+    nodes: Records, owner: Record, rate: float, kept: float, gravity: float, h: float
+) -> tuple[float, float]:
+    """Move the nodes of a character by a sub-step; return its damping and what is kept with it.
 
     p(t + h) = (2 - d) p(t) - (1 - d) p(t - h) + a h², where d = 1 - exp(-c h): the paper's factor
     is one a sixtieth of a second, a rate c [1/s] holds for any step.
 
     Args:
         nodes: of all characters.
+        owner: the character.
+        rate: of damping of the node before [1/s].
+        kept: part of a motion that is kept with it.
         gravity: [m/s²].
         h: the sub-step [s].
     """
-    rate, kept = 0.0, 1.0
-    for i in range(len(nodes)):
+    for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
         node = nodes[i]
         # Most nodes have the rate of the one before.
         own_rate = node.air_damping + max(node.ground_damping, node.contact_damping)
         if own_rate != rate:
             rate, kept = own_rate, math.exp(-own_rate * h)
         _integrate_node(node, gravity, h, kept)
+    return rate, kept
 
 
 @inlined
@@ -89,13 +139,25 @@ def _integrate_node(node: Record, gravity: float, h: float, kept: float) -> None
 
 
 @inlined
-def damp_links(nodes: Records, links: Records, h: float) -> None:
+def damp_links(
+    nodes: Records, links: Records, owner: Record, rate: float, lost: float, h: float
+) -> tuple[float, float]:
     """Damp the ends of links against one another, a crude model of muscles and tendons.
 
     Both take on part of their difference, weighted so that momentum is kept.
+
+    Args:
+        nodes: of all characters; changed.
+        links: of all characters.
+        owner: whose links are damped.
+        rate: of damping of the link before [1/s].
+        lost: part of a difference that is lost with it.
+        h: the sub-step [s].
+
+    Returns:
+        Rate and part of its last link.
     """
-    rate, lost = 0.0, 0.0
-    for n in range(len(links)):
+    for n in range(owner.links[0], owner.links[0] + owner.links[1]):
         link = links[n]
         if link.damping == 0.0:
             continue
@@ -109,6 +171,7 @@ def damp_links(nodes: Records, links: Records, h: float) -> None:
             slip = part * ((one.p[k] - one.previous[k]) - (other.p[k] - other.previous[k]))
             one.previous[k] += one.mobility * slip
             other.previous[k] -= other.mobility * slip
+    return rate, lost
 
 
 ROUNDS = 2  # of constraints and contacts in a sub-step, before constraints have the last word
@@ -166,11 +229,9 @@ def _sub_step(
     moment: float,
 ) -> None:
     nodes, links, middles, limbs, own_pairs, grips, owners = arrays
-    damp_links(nodes, links, h)
-    integrate(nodes, gravity, h)
+    _move_characters(arrays, workspace.measured, workspace.travel, gravity, h)
     close_grips(nodes, grips, h)
     begin_recovery(limbs, h)
-    update_bounds(nodes, owners, workspace.measured, workspace.travel)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)
     solid_count = find_solids(nodes, owners, workspace.solids, h)

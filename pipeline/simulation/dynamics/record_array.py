@@ -7,6 +7,7 @@ class made for its fields, in which each is a property.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from operator import itemgetter
 from typing import Any
@@ -16,10 +17,34 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Records
 
+LINE = 64
+"""Bytes that processors read from memory at once."""
+
+
+def cache_lines(fields: Sequence[Any]) -> np.dtype[Any]:
+    """Returns the data type of records with these fields, one behind the other, in whole lines.
+
+    What is used together should stand together: of a record only the lines that are used are read.
+    """
+    kind = np.dtype([*fields], align=True)
+    assert kind.names is not None
+    assert kind.fields is not None
+    return np.dtype(
+        {
+            "names": list(kind.names),
+            "formats": [kind.fields[name][0] for name in kind.names],
+            "offsets": [kind.fields[name][1] for name in kind.names],
+            "itemsize": -(-kind.itemsize // LINE) * LINE,
+        },
+        align=True,
+    )
+
 
 def zero_records(count: int, kind: np.dtype[Any]) -> Records:
-    """Returns `count` records of zeros."""
-    return np.zeros(count, dtype=_with_attributes(kind))
+    """Returns `count` records of zeros, the first at the start of a line."""
+    memory = np.zeros(count * kind.itemsize + LINE, dtype=np.uint8)
+    start = -memory.ctypes.data % LINE
+    return memory[start : start + count * kind.itemsize].view(_with_attributes(kind))
 
 
 def records_of_array(values: NDArray[Any]) -> Records:

@@ -27,7 +27,8 @@ LIMP = [person_plan(ADULT), person_plan(CHILD)]
 def find_pairs(arrays: CharacterArrays, workspace: Workspace) -> int:
     nodes, links, _, _, own, _, owners = arrays
     known = workspace.travel, workspace.due, workspace.is_near
-    update_bounds(nodes, owners, workspace.measured, workspace.travel)
+    for c in range(len(owners)):
+        workspace.travel[c] += update_bounds(nodes, owners[c], workspace.measured)
     return find_own_pairs(nodes, links, owners, own, *known, workspace.pairs)
 
 

@@ -19,8 +19,10 @@ from pipeline.simulation.characters.crowd_avoidance import (
 from pipeline.simulation.characters.headway import headway_share, passing_share
 from pipeline.simulation.characters.neighbours import (
     find_neighbours,
+    find_within,
     insert_nearest,
     order_along_x,
+    places_in_order,
 )
 from pipeline.simulation.characters.pelvis_motion import LATE_GAIN
 from pipeline.simulation.characters.person_record import PERSON
@@ -177,17 +179,25 @@ def test_neighbours_are_all_people_within_reach_from_near_to_far_on_each_side() 
     persons = zero_records(30, PERSON)
     x = np.random.default_rng(4).uniform(-8.0, 8.0, 30)
     persons["at"][:, 0] = x
+    persons["at"][:, 1] = np.random.default_rng(5).uniform(-3.0, 3.0, 30)
     ordered: Any = order_along_x
     neighbours: Any = find_neighbours
+    within: Any = find_within
+    side_by_side: Any = places_in_order
     order = ordered.py_func(persons)
+    places = side_by_side.py_func(persons, order)
+    z = persons["at"][:, 1]
     np.testing.assert_array_equal(order, np.argsort(x))
     found = np.zeros(30, dtype=np.int64)
     for n in range(30):
-        near = found[: neighbours.py_func(persons, order, n, 2.5, found)]
+        near = found[: neighbours.py_func(places, order, n, 2.5, found)]
         offset = x[near] - x[order[n]]
         assert set(near) == set(np.flatnonzero(np.abs(x - x[order[n]]) <= 2.5)) - {order[n]}
         for side in (offset[offset < 0.0], offset[offset > 0.0]):
             assert (np.diff(np.abs(side)) > 0.0).all()
+        distances = np.hypot(x - x[order[n]], z - z[order[n]])
+        expected = [k for k in near.tolist() if distances[k] < 2.5]
+        assert found[: within.py_func(places, order, n, 2.5, found)].tolist() == expected
 
 
 @pytest.mark.parametrize(

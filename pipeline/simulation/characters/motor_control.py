@@ -178,7 +178,7 @@ def _see_push(person: Record, dt: float) -> None:
     is_free = person.arm_mode[0] == SWINGING and person.arm_mode[1] == SWINGING
     can_turn = not person.frozen and person.posture != SITTING and not is_down(person)
     if person.has_braced and can_turn and not is_coming:
-        # Who has turned away faces the other again.
+        # A person that has turned away faces the pusher again.
         person.has_braced = False
         if not person.has_goal and not person.has_facing:
             person.has_facing, person.facing = True, math.atan2(z, -x)

@@ -202,7 +202,7 @@ class RideCarousel(Ride):
             controller.face_to(carousel.hub)
             return
         gap = carousel.angle + self.gap
-        # Who walks to where the gap is now is late, and a knee swings into the post.
+        # A walk to where the gap is now would come late, and a knee swing into the post.
         is_beside = controller.record.deck_share == 0.0
         lead = CROSSING_LEAD * carousel.rate if is_beside else 0.0
         self.pace = abs(carousel.rate) * carousel.radius + CLOSING_RATE

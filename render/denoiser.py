@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from render.config.film import Denoise
 from render.errors import DenoiseError
-from render.frame import Image, LightLayers
+from render.frame import Image, LensBlur, LightLayers
+from render.resizing import double_size, half_size
 from render.shadow_smoothing import smooth_shadows
 
 THREADS = 2
@@ -88,21 +89,33 @@ class Denoiser:
         soft += layers.air
         return soft
 
-    def clean_blur(self, light: Image, softness: Image, mode: Literal["fast", "high"]) -> Image:
+    def clean_blur(self, light: Image, blur: LensBlur, mode: Literal["fast", "high"]) -> Image:
         """Return light that is also denoised as a whole where it is out of focus.
 
-        What `clean` takes for clean, the colours of surfaces and the sky, is noisy there.
+        What `clean` takes for clean, the colours of surfaces and the sky, is noisy there. Where
+        the blur is wide, a smaller picture holds all that is seen, with less noise: grain that
+        the denoiser would take for leaves.
 
         Args:
             light: of `clean`.
-            softness: (H, W, 1) how far each pixel is out of focus, 0 to 1.
+            blur: of the lens.
             mode: quality.
 
         Raises:
             DenoiseError: the denoiser failed.
         """
-        light = np.ascontiguousarray(light)
-        return light + softness * (self._denoise(light, mode) - light)
+        small = np.ascontiguousarray(light)
+        cleaned = small + blur.soft * (self._denoise(small, mode) - small)
+        for halvings, share in enumerate(blur.coarse, start=1):
+            if not share.any():
+                break
+            small = half_size(small)
+            coarse = self._denoise(small, mode)
+            for _ in range(halvings):
+                coarse = double_size(coarse)
+            height, width = light.shape[:2]
+            cleaned += share * (coarse[:height, :width] - cleaned)
+        return cleaned
 
     def _clean_direct(self, layers: LightLayers, mode: Literal["fast", "high"]) -> Image:
         """Return direct light with clean shadows."""

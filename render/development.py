@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from render.color import CURVE_SAMPLES, LUMINANCE, curve, curve_index, inset, outset
 from render.config.look import PLAIN, Look
 from render.lettering import Lettering, lettered
+from render.resizing import half_size
 from render.shadow_fill import fill_stops
 
 Integer = TypeVar("Integer", np.uint8, np.uint16)
@@ -189,7 +190,7 @@ def _vignette(size: tuple[int, ...], strength: float) -> Image:
 
 def _fill(light: Image, how: Development) -> Image:
     """Return the factor of light that opens shade, in a quarter of the size (H, W, 1)."""
-    small = _halved(_halved(np.maximum(light, np.float32(0.0))))
+    small = half_size(half_size(np.maximum(light, np.float32(0.0))))
     return np.exp2(fill_stops(small, how.tone.stops, how.tone.contrast, how.look.shadows))
 
 
@@ -201,26 +202,17 @@ def _glare(light: Image, stops: float) -> Image:
         stops: of exposure.
     """
     gain = np.float32(2.0**stops)
-    small = _halved(_halved(np.clip(light, 0.0, np.float32(_GLARE_MOST) / gain)))
+    small = half_size(half_size(np.clip(light, 0.0, np.float32(_GLARE_MOST) / gain)))
     # Differences of channels are kept: a red lamp glares red.
     bright = small.max(axis=-1, keepdims=True) * gain
     share = np.clip(1 - _GLARE_FROM / np.maximum(bright, 1e-6), 0, 1)
     levels = [_blurred(small * share)]
     while len(levels) < _GLARE_LEVELS and min(levels[-1].shape[:2]) >= 4:
-        levels.append(_blurred(_halved(levels[-1])))
+        levels.append(_blurred(half_size(levels[-1])))
     total = levels[-1]
     for level in reversed(levels[:-1]):
         total = level + _blurred(_enlarged(total, level.shape[:2]))
     return np.asarray(total / np.float32(len(levels)), np.float32)
-
-
-def _halved(image: Image) -> Image:
-    """Return an image of half the size, rounded up, of the means of two by two pixels."""
-    height, width = image.shape[:2]
-    if height % 2 or width % 2:
-        image = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-    rows = image[0::2] + image[1::2]
-    return np.asarray((rows[:, 0::2] + rows[:, 1::2]) * np.float32(0.25), np.float32)
 
 
 def _blurred(image: Image) -> Image:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from render.development import Development, developed
 from render.passes.pass_images import PassImages
+from render.resizing import double_size
 
 Image = NDArray[np.float32]
 
@@ -46,21 +47,21 @@ class LightLayers:
 
     def full_size(self, soft: Image) -> Image:
         """Return an image of the size of indirect light at that of the frame."""
-        return soft if soft.shape == self.direct.shape else _doubled(_doubled(soft, 0), 1)
+        return soft if soft.shape == self.direct.shape else double_size(soft)
 
 
-def _doubled(image: Image, axis: int) -> Image:
-    """Return an image twice as long along an axis, linear between the centres of pixels."""
-    near, n = image, image.shape[axis]
-    before = near.take([0, *range(n - 1)], axis)
-    after = near.take([*range(1, n), n - 1], axis)
-    # In the order of rows, for what reads it next.
-    twice = np.empty((*near.shape[:axis], n, 2, *near.shape[axis + 1 :]), np.float32)
-    for k, beside in enumerate((before, after)):
-        beside -= near
-        beside *= np.float32(0.25)
-        np.add(near, beside, out=twice[(slice(None),) * (axis + 1) + (k,)])
-    return twice.reshape(*near.shape[:axis], 2 * n, *near.shape[axis + 1 :])
+@dataclass(frozen=True, eq=False)
+class LensBlur:
+    """Where a picture is out of focus, as shares (H, W, 1) from 0 to 1.
+
+    Attributes:
+        soft: how far each pixel is out of focus.
+        coarse: how far a picture of half the size holds all that is seen there, one of a quarter
+            of it, and so on.
+    """
+
+    soft: Image
+    coarse: tuple[Image, ...]
 
 
 @dataclass(frozen=True, eq=False)

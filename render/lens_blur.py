@@ -18,21 +18,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.box_filter import box_mean
+from render.frame import Image, LensBlur
 from render.shot import CameraPose
 from render.tracing.camera_rays import central_ray
 from render.tracing.tracer import PixelLanes
 
-Image = NDArray[np.float32]
-
 _SHARP, _SOFT = 0.6, 2.0
 """Radii of blur up to which a pixel is sharp, and from which it is soft [pixels]."""
+
+_FINE, _COARSE = 1.2, 2.4
+"""Radii, in pixels of a picture of half the size, up to which this lacks details, and from which
+it holds all that there are; again for each further halving."""
+
+_HALVINGS = 2
+"""Of the picture where it is most out of focus."""
 
 _FAR = 1e4
 """Distance of the sky [m]."""
 
 
-def softness(scene: Any, sensor: Any, pose: CameraPose, size: tuple[int, int]) -> Image:
-    """Return how far each pixel is out of focus, (H, W, 1) from 0 to 1.
+def lens_blur(scene: Any, sensor: Any, pose: CameraPose, size: tuple[int, int]) -> LensBlur:
+    """Return where a picture is out of focus.
 
     Args:
         scene: of Mitsuba, or a `ScenePair`.
@@ -52,8 +58,28 @@ def softness(scene: Any, sensor: Any, pose: CameraPose, size: tuple[int, int]) -
     depth = np.maximum(depth.reshape(height, width), 1e-3)
     pixel = 2.0 * pose.lens.focus * math.tan(math.radians(pose.fov_deg) / 2.0) / height
     radius = pose.lens.radius * np.abs(depth - pose.lens.focus) / depth / pixel
-    soft = (_spread(radius) - _SHARP) / (_SOFT - _SHARP)
-    return np.asarray(np.clip(soft, 0.0, 1.0)[..., None], np.float32)
+    coarse = []
+    for k in range(1, _HALVINGS + 1):
+        # What is sharp must not bleed into what is not.
+        within = _least(radius, 3 << (k - 1)) / (1 << k)
+        coarse.append(_share(within, _FINE, _COARSE))
+    return LensBlur(_share(_spread(radius), _SHARP, _SOFT), tuple(coarse))
+
+
+def _share(radius: NDArray[np.floating], low: float, high: float) -> Image:
+    """Return how far radii (H, W) have come from the one to the other, (H, W, 1)."""
+    return np.asarray(np.clip((radius - low) / (high - low), 0.0, 1.0)[..., None], np.float32)
+
+
+def _least(radius: NDArray[np.floating], reach: int) -> NDArray[np.floating]:
+    """Return the smallest blur (H, W) within a square of `2 reach + 1` pixels around each."""
+    for axis in (0, 1):
+        border = [(reach, reach) if k == axis else (0, 0) for k in (0, 1)]
+        windows = np.lib.stride_tricks.sliding_window_view(
+            np.pad(radius, border, "edge"), 2 * reach + 1, axis
+        )
+        radius = windows.min(axis=-1)
+    return radius
 
 
 def _spread(radius: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -37,8 +37,7 @@ MERGE_LIMIT = 20_000
 """Vertices from which a mesh is not merged: it is likely to stand still (terrain)."""
 
 _PLANES = np.array([[1, 2], [0, 2], [0, 1]])
-"""Axes of the plane of projection along each axis. The rows of a pattern run along the first,
-which is the body's longest where possible."""
+"""Axes of the plane of projection along each axis; the rows of a pattern run along the first."""
 
 
 _GroupKey = tuple[str, Surface, bool, tuple[bool, ...], str]
@@ -210,10 +209,11 @@ def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
 
     Every triangle is projected along the axis that it faces, which stretches no pattern by more
     than the square root of three. Where two sides meet, vertices are doubled; the doubles keep
-    one normal, so that the seam is in the pattern alone.
+    one normal, so that the seam is in the pattern alone. Rows of a pattern run along the longest
+    side of the box, on all sides but two.
 
     Args:
-        rest: (N, 3) vertices at rest, longest along the first axis [m].
+        rest: (N, 3) vertices at rest [m].
         faces: (F, 3).
     """
     a, b, c = (rest[faces[:, i]].astype(float) for i in range(3))
@@ -221,7 +221,9 @@ def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
     corners = faces.astype(np.int64) * 3 + side[:, None]
     kept, index = np.unique(corners, return_inverse=True)
     source = kept // 3
-    uv = np.take_along_axis(rest[source], _PLANES[kept % 3], axis=1)
+    longest = int(np.ptp(rest, axis=0).argmax())
+    planes = np.where(_PLANES[:, 1:] == longest, _PLANES[:, ::-1], _PLANES)
+    uv = np.take_along_axis(rest[source], planes[kept % 3], axis=1)
     new_faces = index.reshape(faces.shape).astype(np.uint32)
     return Unwrapped(source.astype(np.uint32), new_faces, uv.astype(np.float32))
 

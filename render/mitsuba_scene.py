@@ -13,7 +13,6 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
 from render.airborne.airborne_pass import (
     PLUME_RAYS,
@@ -27,9 +26,9 @@ from render.camera_sweep import CameraSweep
 from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
-from render.frame import LightLayers
+from render.frame import LensBlur, LightLayers
 from render.freed_memory import return_freed_memory
-from render.lens_blur import softness
+from render.lens_blur import lens_blur
 from render.lights.cloud_shadows import cloud_shadows
 from render.lights.environment_emitters import surroundings
 from render.lights.environment_map import sky_width
@@ -229,11 +228,11 @@ class MitsubaScene:
         """Return the passes of a shot before its first moment, None if the film asks for none."""
         return self._passes.begin(shot) if self._passes else None
 
-    def softness(self, pose: CameraPose) -> NDArray[np.float32] | None:
-        """Return how far each pixel is out of focus (H, W, 1), None where all is in focus."""
+    def lens_blur(self, pose: CameraPose) -> LensBlur | None:
+        """Return where a picture is out of focus, None where all is in focus."""
         if pose.lens is None or not dr.is_jit_v(mi.Float):
             return None
-        return softness(self._traced, self.sensor, pose, self._film.size)
+        return lens_blur(self._traced, self.sensor, pose, self._film.size)
 
     def airborne_exposure(self, shot: Shot) -> AirborneExposure | None:
         """Return what is in the air before the first moment of a shot, None where it is empty."""

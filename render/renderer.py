@@ -16,7 +16,7 @@ from render.camera_sweep import camera_sweep
 from render.config import FullFilm
 from render.edge_smoothing import smoothed_edges
 from render.errors import device_memory_errors
-from render.frame import Frame, Image, LightLayers
+from render.frame import Frame, Image, LensBlur, LightLayers
 from render.passes.pass_images import PassImages
 from render.shot import Shot
 from render.sky_specks import without_specks
@@ -108,7 +108,7 @@ class Renderer:
             self._denoiser.require()
         with device_memory_errors():
             scene = self.scene_for(shot)
-            layers, passes, softness = self._trace(scene, shot, film)
+            layers, passes, blur = self._trace(scene, shot, film)
         with self.timings.timed("denoise"):
             # The denoiser needs as much memory as Dr.Jit keeps of the buffers of a trace. To ask
             # the system for it again takes a thirtieth of the time of a preview.
@@ -116,8 +116,8 @@ class Renderer:
                 drjit.flush_malloc_cache()
             is_noisy = scene.has_soft_lights or film.samples <= FEW_SAMPLES
             light = self._denoiser.clean(layers, film.denoise, has_soft_lights=is_noisy)
-            if softness is not None and film.denoise != "off":
-                light = self._denoiser.clean_blur(light, softness, film.denoise)
+            if blur is not None and film.denoise != "off":
+                light = self._denoiser.clean_blur(light, blur, film.denoise)
             if film.denoise != "off" and film.samples <= FEW_SAMPLES:
                 light = smoothed_edges(light, shot.development.tone.stops)
         self.timings.frames += 1
@@ -140,10 +140,10 @@ class Renderer:
 
     def _trace(
         self, scene: MitsubaScene, shot: Shot, film: FullFilm
-    ) -> tuple[LightLayers, PassImages, Image | None]:
-        """Return the mean of all moments of the exposure, the passes, and how soft pixels are.
+    ) -> tuple[LightLayers, PassImages, LensBlur | None]:
+        """Return the mean of all moments of the exposure, the passes, and the blur of the lens.
 
-        The softness is None where nothing is out of focus, or nothing is to be denoised.
+        The blur is None where nothing is out of focus, or nothing is to be denoised.
         """
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)
@@ -166,14 +166,14 @@ class Renderer:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):
             layers = accumulator.layers()
-            softness = None
+            blur = None
             if film.denoise != "off":
-                softness = scene.softness(shot.moments[-1].camera)
+                blur = scene.lens_blur(shot.moments[-1].camera)
                 if film.samples <= FEW_SAMPLES:
-                    layers = without_specks(layers, softness)
+                    layers = without_specks(layers, None if blur is None else blur.soft)
             if airborne:
                 airborne.lay_over(layers)
-            return layers, exposure.images() if exposure else PassImages(), softness
+            return layers, exposure.images() if exposure else PassImages(), blur
 
     def scene_for(self, shot: Shot) -> MitsubaScene:
         """Return the Mitsuba scene of a shot, updated in place where the build is the same."""

@@ -27,6 +27,7 @@ from render.surfaces.texture_mapping import (
     Projection,
     Sample,
     box_projection,
+    crease_mipmap,
     device_texture,
     fine_copy,
     mip_level,
@@ -58,6 +59,10 @@ COVER_LAYERS = (Layer(29.0, 23.0), Layer(173.0, 61.0), Layer(911.0, 8.0))
 
 COVER_CONTRAST, COVER_RELIEF = 0.6, 0.16
 """How uneven the tones and the slopes of the cover of land are."""
+
+BARE, GROWN, BARE_CONTRAST = 0.75, 0.95, 0.2
+"""Green relative to red up to which land is bare and from which plants cover it, and the share of
+its uneven tones that is left where it is bare: sand is not blotched."""
 
 REPEATED, FADING_LEVELS = 5.0, 3.0
 """Mip level from which a layer of cover is left out, and the levels over which it fades: a tile of
@@ -110,6 +115,10 @@ class Hatching:
 
 
 HATCHING = Hatching()
+
+
+CREASE_TILE, CREASE_SLOPE = 0.8, 0.16
+"""Size of a tile of creases of cloth [m], and the deviation of their slopes."""
 
 
 class GroundShader:
@@ -223,11 +232,13 @@ class GroundShader:
         projection = box_projection(si.p, mi.Normal3f(0, 1, 0), mi.Float(0))
         tone: Any = mi.Float(1.0)
         slopes = mi.Float(0), mi.Float(0)
+        grown = _smoothstep((cover.y / dr.maximum(cover.x, 1e-3) - BARE) * (1.0 / (GROWN - BARE)))
+        contrast = COVER_CONTRAST * dr.lerp(BARE_CONTRAST, 1.0, grown)
         for layer in COVER_LAYERS:
             level = mip_level(si, 2.0 * layer.scale, self.values[PIXEL_WIDTH])
             uneven = self._uneven.on(projection, layer.scale, layer.turn_deg, level)
             shown = dr.clip((REPEATED - mi.Float(level)) / FADING_LEVELS, 0.0, 1.0)
-            tone *= 1.0 + shown * COVER_CONTRAST * (uneven.shade - 0.5)
+            tone *= 1.0 + shown * contrast * (uneven.shade - 0.5)
             slopes = slopes[0] + shown * uneven.slope_u, slopes[1] + shown * uneven.slope_v
         gradient = projection.gradient(*slopes)
         covered = bent_normal(si.sh_frame.n, gradient, COVER_RELIEF)
@@ -286,9 +297,11 @@ class BodyShader:
         # Opaque, so that another lens does not compile the kernel again.
         self.values: dict[str, Any] = {PIXEL_WIDTH: dr.opaque(mi.Float, 1e-3)}
         self._first = device_texture(pattern_mipmap(material.texture), self.values, "first")
-        self._patches = None
+        self._patches = self._creases = None
         if material.color2 is not None:
             self._patches = device_texture(patch_mipmap(), self.values, "patches")
+        if material.texture == "weave":
+            self._creases = device_texture(crease_mipmap(), self.values, "creases")
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at surface interactions."""
@@ -307,7 +320,12 @@ class BodyShader:
             color = dr.lerp(color, patterned(cover, first), share)
         if material.bump == 0:
             return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), n
-        normal = bent_normal(n, _uv_gradient(si, first), material.bump)
+        gradient = material.bump * _uv_gradient(si, first)
+        if self._creases is not None:
+            uv = si.uv / CREASE_TILE
+            level = mip_level(si, CREASE_TILE, self.values[PIXEL_WIDTH])
+            gradient += CREASE_SLOPE * _uv_gradient(si, self._creases.at(uv.x, uv.y, 0.0, level))
+        normal = bent_normal(n, gradient, 1.0)
         return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), normal
 
 

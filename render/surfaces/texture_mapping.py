@@ -20,7 +20,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from render.textures import TILE, Plane, lumps, patches, tile
+from render.textures import TILE, Plane, creases, lumps, patches, tile
 from render.textures.layers import DETAIL, DETAIL_LAYER
 
 LEVELS = 10
@@ -142,6 +142,21 @@ def patch_mipmap() -> Mipmap:
         planes = [_halved(part) for part in planes]
     squares = np.zeros((LEVELS, 1), np.float32)
     return Mipmap(np.concatenate(levels), len(plane), max_slope, squares)
+
+
+@lru_cache(maxsize=1)
+def crease_mipmap() -> Mipmap:
+    """Return the mipmap of creases of cloth; its slopes have a deviation of 1."""
+    relief, levels = creases(), []
+    mean = np.ones_like(relief)
+    planes = [mean, np.zeros_like(relief), *(_slope(relief, axis, 1.0) for axis in (1, 0))]
+    max_slope = float(max(np.abs(slope).max() for slope in planes[2:]))
+    ranges = [(0.0, MAX_SHADE), (-1.0, 1.0), *[(-max_slope, max_slope)] * 2]
+    for _ in range(LEVELS):
+        levels.append(_packed(planes, ranges))
+        planes = [_halved(part) for part in planes]
+    squares = np.zeros((LEVELS, 1), np.float32)
+    return Mipmap(np.concatenate(levels), len(relief), max_slope, squares)
 
 
 def share_mipmap(shares: NDArray[np.uint8]) -> Mipmap:

@@ -16,7 +16,7 @@ import numpy as np
 from render.textures import ground_patterns, object_patterns
 from render.textures.noise import TILE, Plane, noise
 
-__all__ = ["TILE", "Plane", "Tile", "lumps", "patches", "patterns", "tile"]
+__all__ = ["TILE", "Plane", "Tile", "creases", "lumps", "patches", "patterns", "tile"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +55,18 @@ def patches(size: int = 512) -> Plane:
     rng = np.random.default_rng(_SEED + 1)
     field = noise(rng, 2.2, first=2, size=size) + 0.35 * noise(rng, 1.2, first=24, size=size)
     return (1 / (1 + np.exp(-2.2 * field))).astype(np.float32)
+
+
+def creases(size: int = 1024) -> Plane:
+    """Return a (size, size) relief of worn cloth whose slopes have a deviation of 1 per tile."""
+    rng = np.random.default_rng(_SEED + 3)
+    relief = np.zeros((size, size))
+    for turn_deg in (52.0, -62.0):
+        bend = noise(rng, 2.6, first=5, last=36, size=size, stretch=2.6, turn_deg=turn_deg)
+        # A fold is round above and sharp below.
+        relief += np.sqrt(bend * bend + 0.04)
+    slope = (np.roll(relief, -1, 1) - np.roll(relief, 1, 1)) * (0.5 * size)
+    return np.asarray(relief / slope.std(), np.float32)
 
 
 @lru_cache(maxsize=4)

@@ -21,6 +21,7 @@ def noise(
     last: float = 1e9,
     size: int = TILE,
     stretch: float = 1.0,
+    turn_deg: float = 0.0,
 ) -> Plane:
     """Return tiling noise of unit deviation with power proportional to frequency^(-2 slope).
 
@@ -31,11 +32,15 @@ def noise(
         last: highest frequency [cycles per tile].
         size: width and height [pixels].
         stretch: factor on the length of features along the rows.
+        turn_deg: angle from the rows by which these are turned [degrees].
     """
     white = np.fft.rfft2(rng.standard_normal((size, size)))
     fy = np.fft.fftfreq(size, 1 / size)[:, None]
-    fx = np.fft.rfftfreq(size, 1 / size)[None, :] * stretch
-    f = np.hypot(fx, fy)
+    fx = np.fft.rfftfreq(size, 1 / size)[None, :]
+    if turn_deg:
+        c, s = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+        fx, fy = c * fx + s * fy, c * fy - s * fx
+    f = np.hypot(fx * stretch, fy)
     gain = np.maximum(f, first) ** -slope * (f / first).clip(0, 1) ** 2 * (f <= last)
     field = np.fft.irfft2(white * gain, s=(size, size))
     return np.asarray(field / field.std(), np.float32)

@@ -130,8 +130,9 @@ def test_pixels_are_soft_where_a_circle_of_confusion_reaches(renderer: Renderer)
     shot = seen_through(Lens(RADIUS, FOCUS), 1.0, half=0.05)
     wall = replace(plate(FOCUS, 3.0), name="wall")
     shot = replace(shot, meshes=(*shot.meshes, wall))
-    soft = renderer.scene_for(shot).softness(shot.camera)
-    assert soft is not None
+    blur = renderer.scene_for(shot).lens_blur(shot.camera)
+    assert blur is not None
+    soft = blur.soft
     disc = RADIUS / (2.0 * FOCUS) * 2 * SIZE[1] / 2 / TAN
     y, x = np.mgrid[: SIZE[1], : SIZE[0]] - (SIZE[0] - 1) / 2
     side = 0.05 * SIZE[1] / 2 / TAN
@@ -140,7 +141,7 @@ def test_pixels_are_soft_where_a_circle_of_confusion_reaches(renderer: Renderer)
     # The reach is doubled step by step, so that it is exact within a factor of two.
     assert soft[beyond > 1.1 * disc].max() == 0.0
     pinhole = seen_through(None, 1.0)
-    assert renderer.scene_for(pinhole).softness(pinhole.camera) is None
+    assert renderer.scene_for(pinhole).lens_blur(pinhole.camera) is None
 
 
 @pytest.mark.slow
@@ -152,8 +153,8 @@ def test_the_denoiser_cleans_what_is_out_of_focus(renderer: Renderer) -> None:
         renderer.render(replace(shot, film=film)).light
         for film in (few, few.model_copy(update={"denoise": "fast"}), shot.film)
     )
-    softness = renderer.scene_for(shot).softness(shot.camera)
-    assert softness is not None
-    soft = softness[..., 0] == 1.0
+    blur = renderer.scene_for(shot).lens_blur(shot.camera)
+    assert blur is not None
+    soft = blur.soft[..., 0] == 1.0
     errors = [((picture - true)[soft] ** 2).mean() for picture in (clean, noisy)]
     assert errors[0] < 0.3 * errors[1]

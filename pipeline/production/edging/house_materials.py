@@ -23,7 +23,9 @@ def _behind_glass(color: str) -> Material:
 
 
 # Both faces of the glass reflect.
-PANE = Material.model_validate({"color": "#1a2428", "roughness": 0.06, "clearcoat": 1.0})
+PANE = Material.model_validate(
+    {"color": "#1a2428", "roughness": 0.04, "clearcoat": 1.0, "ior": 2.2}
+)
 LANTERN_GLASS = Material.model_validate({"color": "#cdbf9a", "roughness": 0.3})
 
 MATERIALS_OF_HOUSES: Mapping[str, Material] = {

@@ -1,4 +1,4 @@
-"""Herbs and litter: flowers, ferns, mushrooms, maize, succulents, fallen leaves and twigs."""
+"""Herbs and litter: flowers, ferns, maize, succulents, fallen leaves and twigs."""
 
 from __future__ import annotations
 
@@ -334,51 +334,6 @@ def maize(seed: int, level: int) -> Prototype:
         *(shape, rng, tassel, np.full(6, 0.24), np.full(6, 0.1), np.full(6, 0.012)),
         ((0.30, 0.24, 0.10), (0.46, 0.36, 0.17)),
     )
-    return shape.prototype()
-
-
-FLY_AGARIC = 2
-"""Number of the red one among the colours of mushrooms."""
-
-
-def mushroom(seed: int, level: int) -> Prototype:
-    """Return two or three mushrooms with round caps."""
-    rng, shape = np.random.default_rng([seed, 47]), Shape()
-    sides, rings = ((24, 10), (12, 5), (8, 4), (5, 3))[level]
-    spotted = np.random.default_rng([seed, 48])
-    cap_color = np.array([[0.26, 0.125, 0.05], [0.42, 0.30, 0.17], [0.48, 0.045, 0.020]])[seed % 3]
-    for _ in range(rng.integers(2, 5)):
-        size = 0.035 * rng.uniform(0.6, 1.3)
-        at = rng.normal(0, 0.05, 3) * [1, 0, 1]
-        height = size * rng.uniform(1.7, 2.6)
-        pale = np.array([[0.55, 0.50, 0.40]])
-        top = at + height * UP
-        add_tubes(
-            *(shape, at[None], top[None], np.array([0.27 * size]), np.array([0.2 * size])),
-            pale,
-            sides,
-        )
-        t = np.linspace(0.0, 1.0, rings)
-        around = 2 * np.pi * np.arange(sides) / sides
-        radius = size * np.sin(0.5 * np.pi * (0.04 + 0.96 * t)) ** 0.8
-        drop = 0.75 * size * (1.0 - np.cos(0.5 * np.pi * t))
-        ray = np.stack([np.cos(around), np.zeros(sides), np.sin(around)], axis=-1)
-        cap = top + 0.5 * size * UP - drop[:, None, None] * UP + radius[:, None, None] * ray
-        normals = ray * t[:, None, None] + UP * (1.15 - t)[:, None, None]
-        shade = cap_color * (1.1 - 0.35 * t)[:, None, None] * np.ones((1, sides, 1))
-        if seed % 3 == FLY_AGARIC and level < 2:
-            # Warts, what is left of the skin from which the cap grew.
-            shade[spotted.uniform(size=(rings, sides)) < 0.22] = 0.62
-        # The gills: the rim drawn in to the stem.
-        gills = cap[-1:] * 0.25 + (top + 0.05 * size * UP) * 0.75
-        rim = np.concatenate([cap, cap[-1:], gills])
-        normals = np.concatenate([normals, np.broadcast_to(-UP, (2, sides, 3))])
-        shade = np.concatenate([shade, np.broadcast_to(0.8 * pale, (2, sides, 3))])
-        j, i = np.arange(sides), np.arange(rings + 1)[:, None] * sides
-        q = (j + 1) % sides
-        a, b = i + j, i + q
-        faces = np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1)
-        shape.add(rim, normals, shade, faces.reshape(-1, 3), thin=False)
     return shape.prototype()
 
 

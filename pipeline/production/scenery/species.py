@@ -7,7 +7,16 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Literal
 
-from pipeline.production.scenery import clumps, conifers, corals, grasses, herbs, stones, trees
+from pipeline.production.scenery import (
+    clumps,
+    conifers,
+    corals,
+    grasses,
+    herbs,
+    mushrooms,
+    stones,
+    trees,
+)
 from pipeline.production.scenery.growth import Habitat
 from pipeline.production.scenery.prototype import Prototype
 
@@ -296,7 +305,10 @@ KINDS: dict[str, Species] = {
         sizes=(0.5, 1.3),
     ),
     "mushroom": Species(
-        *(herbs.mushroom, 0.7, "cover", 0.1, 0.1), levels=(CLOSE, 2.5, 7.0), reach=24.0, cover=0.25
+        *(mushrooms.mushroom, 0.7, "cover", 0.1, 0.1),
+        levels=(CLOSE, 2.5, 7.0),
+        reach=24.0,
+        cover=0.25,
     ),
     "leaves": Species(
         *(herbs.fallen_leaves, 5.0, "cover", 0.05, 0.4),

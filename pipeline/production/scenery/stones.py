@@ -76,7 +76,14 @@ def rough(points: Array, seed: int, octaves: int = 4) -> Array:
     return np.asarray(sum(fractal(p, seed + 7 * k, octaves) for k, p in enumerate(planes)) / 1.8)
 
 
-def stone(seed: int, halvings: int, *, edged: float = 1.0, flat: float = 0.62) -> Prototype:
+def stone(
+    seed: int,
+    halvings: int,
+    *,
+    edged: float = 1.0,
+    flat: float = 0.62,
+    planes: tuple[int, int] = (6, 15),
+) -> Prototype:
     """Return a stone about two metres long that lies a third in the ground.
 
     Args:
@@ -84,12 +91,13 @@ def stone(seed: int, halvings: int, *, edged: float = 1.0, flat: float = 0.62) -
         halvings: of the edges of its sphere: 320 triangles for 2.
         edged: share of the sphere that its planes cut off.
         flat: height relative to its length.
+        planes: least number of planes, and the number that they are fewer than: few planes leave
+            blocks, many leave what water has rolled.
     """
     rng = np.random.default_rng(seed)
     high, tint, layered = KINDS[seed % len(KINDS)]
     vertices, faces = icosphere(halvings)
-    # Few planes leave blocks, many leave what water has rolled.
-    for _ in range(int(rng.integers(6, 15))):
+    for _ in range(int(rng.integers(*planes))):
         normal = unit(rng.normal(size=3))
         beyond = vertices @ normal - rng.uniform(0.52, 0.88)
         vertices = vertices - (edged * 0.92 * np.maximum(beyond, 0.0))[:, None] * normal
@@ -130,13 +138,21 @@ def pebbles(seed: int, count: int, halvings: int) -> Prototype:
         angle, share = rng.uniform(0, 2 * np.pi), rng.uniform()
         size = min(SMALLEST * (1.0 - share) ** -STEEPNESS, LARGEST)
         fineness = halvings if size > COARSE else max(halvings - 1, 0)
-        one = stone(1000 * seed + k, fineness, edged=0.85, flat=0.5)
+        # Most are split, some are rolled.
+        split = rng.uniform() < 0.7
+        one = stone(
+            *(1000 * seed + k, fineness),
+            edged=1.04 if split else 0.9,
+            flat=0.5 * np.exp(rng.normal(0.0, 0.25)),
+            planes=(4, 9) if split else (8, 15),
+        )
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         # Sunk into the soil by some of their height: they do not lie on it like eggs.
         spread = (0.05, 0.14)[k % 2]
-        at = heaps[k % 3] + rng.normal(0.0, spread, 3) * [1, 0, 1] - [0.0, 0.14 * size, 0.0]
-        light = np.exp(rng.normal(0.1, 0.3)) * np.array([1.0, *rng.normal([1, 0.98], 0.03)])
+        sunk = rng.uniform(0.10, 0.32) * size
+        at = heaps[k % 3] + rng.normal(0.0, spread, 3) * [1, 0, 1] - [0.0, sunk, 0.0]
+        light = np.exp(rng.normal(0.0, 0.34)) * np.array([1.0, *rng.normal([0.98, 0.93], 0.05)])
         shape.add(
             one.vertices @ turn.T * size + at,
             one.normals @ turn.T,

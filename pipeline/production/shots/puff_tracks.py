@@ -23,8 +23,8 @@ DUST: Mapping[str, float] = {
     "soil": 1.2,
     "snow": 0.8,
     "gravel": 0.6,
-    "grass": 0.2,
-    "moss": 0.2,
+    "grass": 0.05,
+    "moss": 0.03,
 }
 """Optical depth of the dust of a strong step, by the texture of the ground."""
 

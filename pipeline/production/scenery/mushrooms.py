@@ -76,7 +76,9 @@ def mushroom(seed: int, level: int) -> Prototype:
         out = np.array([np.cos(angle), 0.0, np.sin(angle)])
         at = out * 0.028 * np.sqrt(k) * rng.uniform(1.0, 1.9)
         lean = unit(np.array([0.0, 1.0, 0.0]) + out * rng.uniform(0.0, 0.25) * (k > 0))
-        _add_one(shape, kind, age, (at, lean), (rng, level))
+        # Of its own: levels of detail draw unlike numbers, and all their mushrooms are alike.
+        one = np.random.default_rng([seed, 47, k])
+        _add_one(shape, kind, age, (at, lean), (one, level))
     return shape.prototype()
 
 
@@ -162,7 +164,7 @@ def _cap_skin(
 
 def _turned(radius: Array, height: Array, around: Array) -> Array:
     """Return rings (R, S, 3) of a surface about the vertical."""
-    radius, height = np.broadcast_arrays(radius, height)
+    radius, height, around = np.broadcast_arrays(radius, height, around)
     return np.stack([radius * np.cos(around), height, radius * np.sin(around)], axis=-1)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.simulation.combed_hair import combed
 from pipeline.simulation.figures.solids import vertex_normals
-from pipeline.simulation.people.head_mesh import CROWN, Head
+from pipeline.simulation.people.head_mesh import CROWN, KNOT, KNOT_RADIUS, Head
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
 from pipeline.simulation.spatial import UP, Array, normalized
 
@@ -22,9 +22,6 @@ ROUND, SKULL = 0.5, (-0.05, 0.22)
 """Radius of the skull, and heights between which hair begins to lie on it, in heads. Below, it
 hangs. A strand is drawn as a bow over its chord: on a ball that chord goes into the ball by half
 the angle that the strand spans, or combed hair would stand off like straw."""
-
-BUN = (-0.50, 0.24, 0.0)
-"""Knot to which hair is drawn."""
 
 CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 6.0
 """Reach of the crown [heads], and how far hair stands off there: it is flatter than a ball, and
@@ -57,9 +54,9 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch, parting: float = 0.0)
     places, normals = patch.vertices, vertex_normals(patch.vertices, patch.faces)
     seen = (places - head.centre) / head.size
     if style == "bun":
-        flow = np.array(BUN) - seen
+        flow = np.array(KNOT) - seen
         # The knot itself is wound.
-        near = np.linalg.norm(flow, axis=-1, keepdims=True) < 0.2
+        near = np.linalg.norm(flow, axis=-1, keepdims=True) < 1.25 * KNOT_RADIUS
         flow = np.where(near, np.cross(normals, UP) + 0.3 * UP, flow)
     else:
         flow = seen - np.array(CROWN) - (0.2 if style == "short" else 0.9) * UP

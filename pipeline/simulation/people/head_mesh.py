@@ -373,12 +373,15 @@ def _bob(head: Head) -> Field:
     return smooth_union([_hair_cap(head, 0.052), *sides, back], 0.09 * s)
 
 
+KNOT, KNOT_RADIUS = (-0.535, 0.09, 0.0), 0.150
+"""Middle and radius of the knot of a bun."""
+
+
 def _bun(head: Head) -> Field:
     s, at = head.size, head.at
-    nape = ellipsoid(at(-0.27, -0.10, 0.0), s * np.array([0.19, 0.25, 0.25]))
-    return smooth_union(
-        [_hair_cap(head, 0.026), nape, ellipsoid(at(-0.50, 0.24, 0.0), 0.155 * s)], 0.05 * s
-    )
+    nape = ellipsoid(at(-0.24, -0.09, 0.0), s * np.array([0.185, 0.22, 0.24]))
+    drawn_back = smooth_union([_hair_cap(head, 0.022), nape], 0.05 * s)
+    return smooth_union([drawn_back, ellipsoid(at(*KNOT), KNOT_RADIUS * s)], 0.018 * s)
 
 
 def _long(head: Head) -> Field:

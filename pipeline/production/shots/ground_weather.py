@@ -18,8 +18,9 @@ from render.vertex_normals import vertex_normals
 
 WET_SHARE = 0.52
 """Brightness of soaked ground, as a share of dry ground, in sRGB values."""
-WET_ROUGHNESS = 0.42
-"""Roughness of soaked ground."""
+WET_ROUGHNESS, WET_RELIEF = 0.5, 0.55
+"""Roughness of soaked ground, and the share of its relief that is left: water fills the pores, and
+a rough film that mirrors the sun would be foil."""
 SOAKED = 0.5
 """Rain from which natural ground is soaked."""
 FLOOR_SOAKED, WET_FLOOR_ROUGHNESS = 0.2, 0.2
@@ -53,6 +54,8 @@ def ground_in_weather(material: Material, weather: Weather) -> Material:
         values["roughness"] = min(
             material.roughness, material.roughness + wet * (smooth - material.roughness)
         )
+        if is_natural:
+            values["bump"] = material.bump * (1.0 + wet * (WET_RELIEF - 1.0))
         # Rough snow, cloth and leaves keep their other qualities; what needs a dull surface goes.
         values |= {"translucency": 0.0, "sheen": 0.0}
     if weather.snow > 0.0:

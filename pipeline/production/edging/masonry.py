@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from pipeline.production.scenery.prototype import (
     Prototype,
     Shape,
+    add_rings,
     mixed,
+    turned_rings,
     unit,
 )
-from pipeline.production.scenery.stones import icosphere, rough, surface_normals
+from pipeline.production.scenery.stones import rough, surface_normals
 from pipeline.production.surroundings.lattice_noise import smoothstep
 from pipeline.simulation.spatial import Array
 
@@ -77,12 +79,23 @@ def wall_stone(seed: int, across: int) -> Prototype:
     return shape.prototype()
 
 
+RIBS, LANTERN_SIDES = 9, 20
+"""Hoops of wire in a paper lantern, and its sides."""
+
+
 @lru_cache(maxsize=1)
 def lantern() -> Prototype:
-    """Return a white paper lantern of unit width around the origin."""
-    vertices, faces = icosphere(3)
-    # Wires inside show as darker lines.
-    wire = np.exp(-((np.sin(7.0 * np.pi * vertices[:, 1:2]) / 0.3) ** 2))
+    """Return a white paper lantern of unit width around the origin, between caps of wood."""
+    up = np.linspace(-0.46, 0.46, 5 * RIBS)[:, None]
+    hoop = np.abs(np.sin(np.pi * RIBS * (up / 0.92 + 0.5)))
+    around = np.linspace(0.0, 2.0 * np.pi, LANTERN_SIDES, endpoint=False)
+    # Paper sags inward between the hoops, and is darker where it is folded over them.
+    radius = np.sqrt(0.25 - up * up) * (1.0 - 0.05 * hoop)
+    shade = (0.55 + 0.35 * smoothstep(0.1, 0.6, hoop)) * (0.8 + 0.2 * smoothstep(-0.5, 0.3, up))
     shape = Shape()
-    shape.add(0.5 * vertices, vertices, 0.9 - 0.25 * wire * np.ones(3), faces, thin=True)
+    add_rings(shape, turned_rings(radius, up, around), shade[..., None] * np.ones(3), thin=True)
+    for level in (-0.47, 0.47):
+        cap = np.array([[0.0, 0.045], [0.2, 0.045], [0.2, -0.045], [0.0, -0.045]])
+        rings = turned_rings(cap[::-1, :1], level + cap[::-1, 1:], around)
+        add_rings(shape, rings, np.array([0.12, 0.09, 0.06]))
     return shape.prototype()

@@ -6,7 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.production.scenery.prototype import Color, Prototype, Shape, mixed, unit
+from pipeline.production.scenery.prototype import (
+    Color,
+    Prototype,
+    Shape,
+    add_rings,
+    mixed,
+    turned_rings,
+    unit,
+)
 from pipeline.production.surroundings.lattice_noise import smoothstep
 from pipeline.simulation.spatial import Array
 
@@ -118,10 +126,10 @@ def _add_one(
     fibre = 1.0 + 0.10 * rng.normal(size=(sides, 1))
     gills = np.array(kind.gills)
     sheets = [
-        (_turned(radius, top + 0.05 * lift, around), color, True),
-        (_turned(inward * radius[-1:], below, around), gills * plate * GILL_SHADE, True),
+        (turned_rings(radius, top + 0.05 * lift, around), color, True),
+        (turned_rings(inward * radius[-1:], below, around), gills * plate * GILL_SHADE, True),
         (
-            _turned(kind.stout * STEM[:, :1], (height + 0.05) * STEM[:, 1:2], around),
+            turned_rings(kind.stout * STEM[:, :1], (height + 0.05) * STEM[:, 1:2], around),
             np.array(kind.stem) * fibre * STEM[:, 2:, None],
             False,
         ),
@@ -129,12 +137,12 @@ def _add_one(
     if kind.skirt and age > 0.4 and level < 2:
         hang = np.array([0.72, 0.70, 0.60])[:, None] * height - 0.4 * np.abs(wave)
         wide = kind.stout + kind.skirt * np.array([0.0, 0.55, 1.0])[:, None] * (1.0 + 3.0 * wave)
-        sheets.append((_turned(wide, hang, around), gills * fibre, True))
+        sheets.append((turned_rings(wide, hang, around), gills * fibre, True))
     foot, lean = stand
     side = unit(np.cross(lean, [0.0, 0.0, 1.0]))
     frame = np.stack([side, lean, np.cross(side, lean)])
     for places, colors, faces_up in sheets:
-        _add_sheet(shape, foot + size * places @ frame, colors, faces_up)
+        add_rings(shape, foot + size * places @ frame, colors, upward=faces_up)
 
 
 def _cap_skin(
@@ -162,12 +170,6 @@ def _cap_skin(
     return mixed(color, WART, smoothstep(0.15, 0.55, lift)), lift
 
 
-def _turned(radius: Array, height: Array, around: Array) -> Array:
-    """Return rings (R, S, 3) of a surface about the vertical."""
-    radius, height, around = np.broadcast_arrays(radius, height, around)
-    return np.stack([radius * np.cos(around), height, radius * np.sin(around)], axis=-1)
-
-
 def _warts(count: int, t: Array, around: Array, rng: np.random.Generator) -> Array:
     """Return the heights, 0 to 1, of warts strewn evenly over a cap (R, S)."""
     found = np.zeros(np.broadcast_shapes(t.shape, around.shape))
@@ -178,15 +180,3 @@ def _warts(count: int, t: Array, around: Array, rng: np.random.Generator) -> Arr
         z = t * np.sin(around) - far * np.sin(angle)
         found = np.maximum(found, np.exp(-(x * x + z * z) / rng.uniform(0.04, 0.085) ** 2))
     return found
-
-
-def _add_sheet(shape: Shape, places: Array, colors: Array, faces_up: bool) -> None:
-    """Add rings (R, S, 3) as one surface, which faces outward or up."""
-    rings, sides, _ = places.shape
-    along = np.gradient(places, axis=0)
-    about = np.roll(places, -1, axis=1) - np.roll(places, 1, axis=1)
-    normals = np.cross(about, along) if faces_up else np.cross(along, about)
-    j, i = np.arange(sides), np.arange(rings - 1)[:, None] * sides
-    a, b = i + j, i + (j + 1) % sides
-    faces = np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1)
-    shape.add(places, normals, colors, faces.reshape(-1, 3), thin=False)

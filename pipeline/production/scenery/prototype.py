@@ -335,3 +335,36 @@ def add_tubes(
         faces,
         thin=False,
     )
+
+
+def turned_rings(radius: Array, height: Array, around: Array) -> Array:
+    """Return rings (R, S, 3) about the vertical, of radii and heights (R, S or 1) [m].
+
+    Args:
+        radius: of the rings.
+        height: of the rings.
+        around: (S,) angles from X to Z [rad].
+    """
+    radius, height, around = np.broadcast_arrays(radius, height, around)
+    return np.stack([radius * np.cos(around), height, radius * np.sin(around)], axis=-1)
+
+
+def add_rings(
+    shape: Shape, places: Array, colors: Array, *, upward: bool = False, thin: bool = False
+) -> None:
+    """Add rings as one smooth surface.
+
+    Args:
+        shape: to which it is added.
+        places: (R, S, 3) of R rings that go around the vertical from X to Z [m].
+        colors: linear, of a shape that broadcasts to it.
+        upward: whether it is seen from above where its rings grow, else from outside where they
+            rise.
+        thin: whether light shines through.
+    """
+    rings, sides, _ = places.shape
+    along = np.gradient(places, axis=0)
+    about = np.roll(places, -1, axis=1) - np.roll(places, 1, axis=1)
+    normals = np.cross(about, along) if upward else np.cross(along, about)
+    faces = band_faces(sides)[None] + sides * np.arange(rings - 1)[:, None, None]
+    shape.add(places, normals, colors, faces, thin=thin)

@@ -31,8 +31,8 @@ def _cloth(color: str) -> Row:
 
 # fmt: off
 CREATURES: dict[str, Row] = {
-    "green chitin":   _row("#46691f", "#2c5a3a", 0.5, ("shell", 0.3, 1.7),
-                           metallic=0.3, clearcoat=0.2),
+    "green chitin":   _row("#3f6420", "#6e5a22", 0.36, ("shell", 0.3, 1.7),
+                           metallic=0.6, clearcoat=0.5),
     "brown chitin":   _row("#5a3217", "#7a4a22", 0.6, ("carapace", 0.4, 1.7),
                            metallic=0.05, clearcoat=0.15),
     "black chitin":   _row("#1b1a1d", "#33271f", 0.56, ("carapace", 0.4, 1.7),

@@ -117,7 +117,7 @@ class Hatching:
 HATCHING = Hatching()
 
 
-CREASE_TILE, CREASE_SLOPE = 0.8, 0.16
+CREASE_TILE, CREASE_SLOPE = 0.8, 0.14
 """Size of a tile of creases of cloth [m], and the deviation of their slopes."""
 
 

@@ -61,10 +61,11 @@ def creases(size: int = 1024) -> Plane:
     """Return a (size, size) relief of worn cloth whose slopes have a deviation of 1 per tile."""
     rng = np.random.default_rng(_SEED + 3)
     relief = np.zeros((size, size))
-    for turn_deg in (52.0, -62.0):
-        bend = noise(rng, 2.6, first=5, last=36, size=size, stretch=2.6, turn_deg=turn_deg)
+    # Unlike ones: two that cross evenly are a quilt.
+    for turn_deg, weight in ((50.0, 1.0), (-64.0, 0.55)):
+        bend = noise(rng, 2.6, first=4, last=36, size=size, stretch=2.8, turn_deg=turn_deg)
         # A fold is round above and sharp below.
-        relief += np.sqrt(bend * bend + 0.04)
+        relief += weight * np.sqrt(bend * bend + 0.04)
     slope = (np.roll(relief, -1, 1) - np.roll(relief, 1, 1)) * (0.5 * size)
     return np.asarray(relief / slope.std(), np.float32)
 

@@ -117,8 +117,11 @@ class Hatching:
 HATCHING = Hatching()
 
 
+CREASED = "weave"
+"""Pattern of cloth, on which creases lie that are wider than the pattern."""
+
 CREASE_TILE, CREASE_SLOPE = 0.8, 0.14
-"""Size of a tile of creases of cloth [m], and the deviation of their slopes."""
+"""Size of a tile of creases [m], and the deviation of their slopes."""
 
 
 class GroundShader:
@@ -300,7 +303,7 @@ class BodyShader:
         self._patches = self._creases = None
         if material.color2 is not None:
             self._patches = device_texture(patch_mipmap(), self.values, "patches")
-        if material.texture == "weave":
+        if material.texture == CREASED:
             self._creases = device_texture(crease_mipmap(), self.values, "creases")
 
     def __call__(self, si: Any) -> tuple[Any, Any]:

@@ -133,30 +133,27 @@ def pattern_mipmap(pattern: str) -> Mipmap:
 @lru_cache(maxsize=1)
 def patch_mipmap() -> Mipmap:
     """Return the mipmap of slow patches; its shade is 0 to 1, its slopes have a deviation of 1."""
-    plane, relief, levels = patches(), lumps(), []
-    planes = [plane, np.zeros_like(plane), *(_slope(relief, axis, 1.0) for axis in (1, 0))]
-    max_slope = float(max(np.abs(slope).max() for slope in planes[2:]))
-    ranges = [(0.0, MAX_SHADE), (-1.0, 1.0), *[(-max_slope, max_slope)] * 2]
-    for _ in range(LEVELS):
-        levels.append(_packed(planes, ranges))
-        planes = [_halved(part) for part in planes]
-    squares = np.zeros((LEVELS, 1), np.float32)
-    return Mipmap(np.concatenate(levels), len(plane), max_slope, squares)
+    return _plain_mipmap(patches(), lumps())
 
 
 @lru_cache(maxsize=1)
 def crease_mipmap() -> Mipmap:
     """Return the mipmap of creases of cloth; its slopes have a deviation of 1."""
-    relief, levels = creases(), []
-    mean = np.ones_like(relief)
-    planes = [mean, np.zeros_like(relief), *(_slope(relief, axis, 1.0) for axis in (1, 0))]
+    relief = creases()
+    return _plain_mipmap(np.ones_like(relief), relief)
+
+
+def _plain_mipmap(shade: Plane, relief: Plane) -> Mipmap:
+    """Return the mipmap of a shade and a relief, relative to the size of the tile."""
+    planes = [shade, np.zeros_like(shade), *(_slope(relief, axis, 1.0) for axis in (1, 0))]
     max_slope = float(max(np.abs(slope).max() for slope in planes[2:]))
     ranges = [(0.0, MAX_SHADE), (-1.0, 1.0), *[(-max_slope, max_slope)] * 2]
+    levels = []
     for _ in range(LEVELS):
         levels.append(_packed(planes, ranges))
         planes = [_halved(part) for part in planes]
     squares = np.zeros((LEVELS, 1), np.float32)
-    return Mipmap(np.concatenate(levels), len(relief), max_slope, squares)
+    return Mipmap(np.concatenate(levels), len(shade), max_slope, squares)
 
 
 def share_mipmap(shares: NDArray[np.uint8]) -> Mipmap:

@@ -60,23 +60,28 @@ def patches(size: int = 512) -> Plane:
 def creases(size: int = 1024) -> Plane:
     """Return a (size, size) relief of worn cloth whose slopes have a deviation of 1 per tile."""
     rng = np.random.default_rng(_SEED + 3)
-    relief = np.zeros((size, size))
+    relief = np.zeros((size, size), np.float32)
     # Unlike ones: two that cross evenly are a quilt.
     for turn_deg, weight in ((50.0, 1.0), (-64.0, 0.55)):
         bend = noise(rng, 2.6, first=4, last=36, size=size, stretch=2.8, turn_deg=turn_deg)
         # A fold is round above and sharp below.
         relief += weight * np.sqrt(bend * bend + 0.04)
-    slope = (np.roll(relief, -1, 1) - np.roll(relief, 1, 1)) * (0.5 * size)
-    return np.asarray(relief / slope.std(), np.float32)
+    return _with_unit_slopes(relief)
 
 
 @lru_cache(maxsize=4)
 def lumps(size: int = 512) -> Plane:
     """Return a (size, size) relief of uneven ground whose slopes have a deviation of 1 per tile."""
     rng = np.random.default_rng(_SEED + 2)
-    field = noise(rng, 1.9, first=3, size=size) + 0.12 * noise(rng, 1.0, first=30, size=size)
-    slope = (np.roll(field, -1, 1) - np.roll(field, 1, 1)) * (0.5 * size)
-    return np.asarray(field / slope.std(), np.float32)
+    return _with_unit_slopes(
+        noise(rng, 1.9, first=3, size=size) + 0.12 * noise(rng, 1.0, first=30, size=size)
+    )
+
+
+def _with_unit_slopes(relief: Plane) -> Plane:
+    """Return a relief whose slopes along the rows have a deviation of 1 per tile."""
+    slope = (np.roll(relief, -1, 1) - np.roll(relief, 1, 1)) * (0.5 * len(relief))
+    return np.asarray(relief / slope.std(), np.float32)
 
 
 def patterns() -> tuple[str, ...]:

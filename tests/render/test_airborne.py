@@ -168,6 +168,7 @@ def test_ground_is_dark_and_glossy_in_rain_and_white_under_snow() -> None:
     assert brightness[0] < 0.5 * brightness[1] < brightness[2]
     assert brightness[2] > 0.7
     assert wet.roughness < soil.roughness
+    assert 0.0 < wet.bump < soil.bump
     assert white.steep_color is not None
     assert ground_in_weather(soil, Weather()) is soil
 

@@ -140,6 +140,11 @@ def test_pixels_are_soft_where_a_circle_of_confusion_reaches(renderer: Renderer)
     assert soft[beyond < 0.5 * disc].min() == 1.0
     # The reach is doubled step by step, so that it is exact within a factor of two.
     assert soft[beyond > 1.1 * disc].max() == 0.0
+    # A smaller picture is enough where the blur is wide, but nowhere on what is sharp.
+    half, quarter = blur.coarse
+    assert max(half[beyond > 0.5].max(), quarter[beyond > 0.5].max()) == 0.0
+    assert (half >= quarter).all()
+    assert half[beyond < -4].min() > 0.4
     pinhole = seen_through(None, 1.0)
     assert renderer.scene_for(pinhole).lens_blur(pinhole.camera) is None
 

@@ -561,3 +561,29 @@ def test_worn_ground_shows_soil_in_its_place(renderer: Renderer, make_shot: Make
     for places in (rows, columns):
         assert (places.min() - 32) * pixel == pytest.approx(0.0, abs=1.5 * pixel)
         assert (places.max() + 1 - 32) * pixel == pytest.approx(1.0, abs=1.5 * pixel)
+
+
+def test_cloth_is_creased_where_its_threads_are_too_fine_to_see(renderer: Renderer) -> None:
+    del renderer
+    import drjit as dr
+    import mitsuba as mi
+
+    from render.surfaces.patterns import CREASE_SLOPE, BodyShader
+
+    rng = np.random.default_rng(5)
+    places = rng.uniform(0.0, 3.0, (2, 4000)).astype(np.float32)
+    si = dr.zeros(mi.SurfaceInteraction3f, places.shape[1])
+    si.uv = mi.Point2f(*(mi.Float(p) for p in places))
+    si.p = mi.Point3f(si.uv.x, si.uv.y, 0.0)
+    si.t = dr.full(mi.Float, 5.0, places.shape[1])
+    si.wi = mi.Vector3f(0.0, 0.0, 1.0)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(0.0, 0.0, 1.0))
+    si.dp_du, si.dp_dv = mi.Vector3f(1.0, 0.0, 0.0), mi.Vector3f(0.0, 1.0, 0.0)
+
+    def slopes(bump: float) -> np.ndarray:
+        cloth = material("red cloth").model_copy(update={"bump": bump})
+        _, normal = BodyShader(cloth)(si)
+        return np.array(normal)[:2]
+
+    np.testing.assert_allclose(slopes(0.2).std(axis=1), CREASE_SLOPE, rtol=0.3)
+    assert np.abs(slopes(0.0)).max() == 0.0

@@ -53,6 +53,24 @@ def test_only_vertices_on_seams_are_doubled() -> None:
     assert len(unwrapped.source) < 1.4 * len(solid.vertices)
 
 
+@pytest.mark.parametrize("longest", [0, 1, 2])
+def test_rows_run_along_the_longest_side(longest: int) -> None:
+    """So that creases of sleeves and trousers lie alike on all sides of them."""
+    from render.meshes import unwrap
+
+    solid = ball()
+    size = np.where(np.arange(3) == longest, 2.0, 1.0)
+    rest, faces = (solid.vertices * size).astype(np.float32), solid.faces.astype(np.uint32)
+    unwrapped = unwrap(rest, faces)
+    corners = unwrapped.faces
+    along = rest[unwrapped.source][:, longest]
+    # All triangles but those that face along it.
+    runs = (np.abs(unwrapped.uv[corners][..., 0] - along[corners]) < 1e-6).all(axis=1)
+    a, b, c = (rest[faces[:, k]].astype(float) for k in range(3))
+    side = np.abs(np.cross(b - a, c - a)).argmax(axis=1)
+    assert (runs | (side == longest)).all()
+
+
 @pytest.mark.nightly
 def test_a_pattern_moves_with_the_body(backend: Backend) -> None:
     """Body and camera moved together show the same frame, under a sky without a sun."""

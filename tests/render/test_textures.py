@@ -7,7 +7,7 @@ import pytest
 
 from render.backend import Backend
 from render.config import MATERIALS
-from render.textures import TILE, patches, patterns, tile
+from render.textures import TILE, creases, patches, patterns, tile
 
 PATTERNS = sorted(patterns())
 
@@ -48,6 +48,22 @@ def test_a_tile_keeps_the_base_colour_on_average(name: str) -> None:
 
 def test_patches_are_halves() -> None:
     assert patches().mean() == pytest.approx(0.5, abs=0.03)
+
+
+def test_creases_of_cloth_have_no_seam_and_lie_aslant() -> None:
+    relief = creases()
+    across, along = (
+        (np.roll(relief, -1, axis) - np.roll(relief, 1, axis)) * (0.5 * len(relief))
+        for axis in (0, 1)
+    )
+    assert along.std() == pytest.approx(1.0, abs=1e-3)
+    # Neither along the rows nor across them, and not alike on both sides.
+    assert 0.5 < across.std() < 2.0
+    assert 0.05 < abs((across * along).mean()) / across.std() < 0.8
+    for axis in (0, 1):
+        steps = np.abs(np.diff(relief, axis=axis)).mean(axis=1 - axis)
+        first, last = (np.take(relief, i, axis=axis) for i in (0, -1))
+        assert np.abs(first - last).mean() <= 1.1 * steps.max()
 
 
 def test_a_kernel_reads_the_drawn_pattern(backend: Backend) -> None:

@@ -25,4 +25,6 @@ def mark_act_things(controller: PersonController, task: Task | None) -> None:
                 found.append(other)
             elif name in numbers:
                 found.append(SOLID - numbers[name])
-    controller.record.act_things[:] = (*found, NOBODY, NOBODY)[:2]
+    marks = controller.record.act_things
+    marks[0] = found[0] if found else NOBODY
+    marks[1] = found[1] if len(found) > 1 else NOBODY

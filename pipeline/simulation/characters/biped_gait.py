@@ -58,6 +58,7 @@ WALKING_FROUDE = 0.03  # speed below which a person does not walk, in √(g l)
 
 # How a foot swings and lands.
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
+
 FASTEST_RAISE = 2.3  # of a swing under way, in leg lengths [1/s]
 
 # How a foot gets up or down a high step: up and then ahead, or ahead and then down. On its usual

@@ -15,15 +15,14 @@ def mark_act_things(controller: PersonController, task: Task | None) -> None:
     """
     if isinstance(task, StepAside):
         return
-    view = controller.view
-    found: list[int] = []
-    if task is not None:
-        owner = getattr(task, "owner", NOBODY)
-        found += [owner] if owner >= 0 else []
+    owner = max(getattr(task, "owner", NOBODY), NOBODY)
+    found = [] if owner == NOBODY else [owner]
+    if task is not None and task.members:
+        view = controller.view
         numbers = view.decks.tracker.thing_numbers
         for name in task.members:
-            if (owner := view.owner(name)) >= 0:
-                found.append(owner)
+            if (other := view.owner(name)) >= 0:
+                found.append(other)
             elif name in numbers:
                 found.append(SOLID - numbers[name])
     marks = controller.record.act_things

@@ -4,8 +4,7 @@ A clock at the stride rate gives the turn of each foot; the legs are half a cycl
 while the person walks, or while a foot is too far from below its hip, so that a pushed person
 steps after the push, a turning person steps round, and a stopping person closes the feet. A foot
 swings along a line, arched over the ground, to the place that will be below the hip in the
-middle of its stance. A stance foot stays still until its heel rises; then it turns about its
-ball.
+middle of its stance. `stance_foot` keeps standing feet in place.
 
 Source: Horswill 2008, "Gait Control".
 """
@@ -24,7 +23,6 @@ from pipeline.simulation.characters.gait_timing import (
     leg_phase,
     run_blend,
     smoothstep,
-    spring_step,
     staggers,
     walk_share,
     wrap_angle,
@@ -35,6 +33,14 @@ from pipeline.simulation.characters.hurdles import (
     is_stepped_over,
 )
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
+from pipeline.simulation.characters.stance_foot import (
+    LATERAL_CLEARANCE,
+    ahead_and_right,
+    ankle_offset,
+    other_ankle,
+    slope_along,
+    stand,
+)
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import Vector, hypotenuse, plus, put, row, triple
@@ -50,14 +56,10 @@ YAW_TOLERANCE = math.radians(28.0)  # of a foot against the pelvis
 CATCHING_UP = 4.0  # factor of the clock while both feet stand and one is left behind
 WALKING_FROUDE = 0.03  # speed below which a person does not walk, in √(g l)
 
-# How a foot rolls off and lands.
-HEEL_RISE_START = 0.55  # fraction of the stance at which the heel rises at the earliest
-HEEL_RISE_ANGLE = math.radians(48.0)  # about the ball until lift-off
+# How a foot swings and lands.
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 
 FASTEST_RAISE = 2.3  # of a swing under way, in leg lengths [1/s]
-PITCH_SETTLING_RATE = 83.0  # at which a foot comes to lie flat [1/s]
-SETTLING_RATE = 30.0  # at which a caught foot comes to stand [1/s]
 
 # How a foot gets up or down a high step: up and then ahead, or ahead and then down. On its usual
 # way it would be drawn up to the hip to clear the edge.
@@ -65,11 +67,8 @@ HIGH_RISE = 0.3  # from which it does so wholly, in leg lengths
 LEVEL_DELAY, RISE_LEAD = 0.08, 0.4  # of the way ahead and of the rise, in the time of a swing
 LATE_RETARGET_RATE = 30.0  # [1/s] at which the height follows at the end of a swing
 
-# How feet keep clear of the other leg. Lateral clearance is in half hip widths: as near as shins
-# can pass, and as walkers place their feet. Other distances are in lateral clearances.
-LATERAL_CLEARANCE = 1.16
+# How feet keep clear of the other leg. Distances are in lateral clearances.
 LATERAL_RANGE = 3.0  # distance ahead and behind within which a foot keeps to its own side
-HEEL_CLEARANCE = 2.5  # distance of the other foot within which the heel does not rise towards it
 DETOUR_FRACTION = 0.25  # of a swing, in which the foot moves to its own side before advancing
 RETARGET_RATE = 16.0  # [1/s] at which a swinging foot follows a changed landing place
 RETARGET_FROUDE = 1.6  # at which it does at most, after a push, in √(g l)
@@ -127,7 +126,7 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
         elif person.stepping and _is_due(person, k, advance, walks):
             _lift(person, k, frame, vertices)
         if person.foot_state[k] == STANCE:
-            _stand(person, k, stance, frame, vertices, dt)
+            stand(person, k, stance, frame, vertices, dt)
     is_still = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE and not walks
     if person.stepping and is_still:
         person.stepping = not _is_closed(person)
@@ -153,7 +152,7 @@ def _kick(person: Record, k: int, frame: Record, vertices: Array, dt: float) -> 
     person.foot_state[k] = SWING
     person.yaw[k], person.pitch[k] = person.heading, person.kick_pitch
     put(person.ankles, k, triple(person.kick_place))
-    _stand(person, 1 - k, 0.5, frame, vertices, dt)
+    stand(person, 1 - k, 0.5, frame, vertices, dt)
 
 
 @compiled
@@ -193,7 +192,7 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.liftoff_pitch[k] = person.pitch[k]
     person.liftoff_heading[k] = person.heading
     person.liftoff_on_deck[k] = person.stance_on_deck[k]
-    other_foot = _other_ankle(person, k)
+    other_foot = other_ankle(person, k)
     person.pivot[k, 0], person.pivot[k, 1] = other_foot[0], other_foot[2]
     person.swing_height[k] = 0.0
     person.hurdle_side[k] = 0
@@ -229,7 +228,7 @@ def _choose_landing(
     half_stance = 0.5 * stance / rate
     x += vx * half_stance - behind * math.cos(heading)
     z += vz * half_stance + behind * math.sin(heading)
-    other_foot = _other_ankle(person, k)
+    other_foot = other_ankle(person, k)
     right_x, right_z = math.sin(heading), math.cos(heading)
     side = 1.0 if k == 1 else -1.0
     lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
@@ -247,7 +246,7 @@ def _choose_landing(
     z = person.landing_place[k, 2] + retargeted * change_z
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
-        x, z = clear_of_hurdle(person, k, x, z, heading, _other_ankle(person, k))
+        x, z = clear_of_hurdle(person, k, x, z, heading, other_ankle(person, k))
     y, n, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
@@ -262,16 +261,6 @@ def _choose_landing(
     person.landing_yaw[k] += retargeted * wrap_angle(heading - person.landing_yaw[k])
     person.swing_end[k] += retargeted * (person.landing_place[k, 1] - person.swing_end[k])
     _raise_swing_height(person, k, dt, frame, vertices)
-
-
-@compiled
-def _other_ankle(person: Record, k: int) -> Vector:
-    """Return the place where the ankle of the other foot stands or will stand."""
-    return (
-        row(person.stance_place, 1 - k)
-        if person.foot_state[1 - k] == STANCE
-        else row(person.landing_place, 1 - k)
-    )
 
 
 @compiled
@@ -350,10 +339,10 @@ def _detoured(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[
         person.liftoff_heading[k],
     )
     turn = wrap_angle(person.landing_yaw[k] - from_heading)
-    a, b = _ahead_and_right(
+    a, b = ahead_and_right(
         person.liftoff_place[k, 0] - pivot_x, person.liftoff_place[k, 2] - pivot_z, from_heading
     )
-    c, d = _ahead_and_right(end[0] - pivot_x, end[2] - pivot_z, from_heading + turn)
+    c, d = ahead_and_right(end[0] - pivot_x, end[2] - pivot_z, from_heading + turn)
     x, z = a + s * (c - a), b + s * (d - b)
     side = 1.0 if k == 1 else -1.0
     heading = from_heading + s * turn
@@ -386,15 +375,8 @@ def _leg_lean(person: Record, k: int, heading: float) -> float:
     """Return the lateral offset of a hip from its foot at the height of the passing foot [m]."""
     foot, hip = row(person.ankles, k), row(person.targets, HIP + k)
     rise: float = max(person.ankles[1 - k, 1] - foot[1], 0.0) / leg_length(person)
-    _, right = _ahead_and_right(hip[0] - foot[0], hip[2] - foot[2], heading)
+    _, right = ahead_and_right(hip[0] - foot[0], hip[2] - foot[2], heading)
     return rise * right
-
-
-@compiled
-def _ahead_and_right(x: float, z: float, heading: float) -> tuple[float, float]:
-    """Return the components of a ground vector ahead of and to the right of a heading."""
-    cos, sin = math.cos(heading), math.sin(heading)
-    return x * cos - z * sin, x * sin + z * cos
 
 
 @compiled
@@ -439,81 +421,3 @@ def _swing(
     person.yaw[k] = person.liftoff_yaw[k] + smoothstep(u) * _swing_turn(person, k)
     pitch_blend = smoothstep(u / 0.8)
     person.pitch[k] = (1.0 - pitch_blend) * person.liftoff_pitch[k] + pitch_blend * toes
-
-
-@compiled
-def _stand(
-    person: Record, k: int, stance: float, frame: Record, vertices: Array, dt: float
-) -> None:
-    """Keep a stance foot in place, and turn it about its heel or its ball."""
-    stance_fraction = (leg_phase(person, k) - (1.0 - stance)) / stance if person.stepping else 0.3
-    stance_fraction = min(max(stance_fraction, 0.0), 1.0)
-    rise = (
-        HEEL_RISE_ANGLE
-        * min(person.walk_blend, 1.0)
-        * smoothstep((stance_fraction - HEEL_RISE_START) / (1.0 - HEEL_RISE_START) * 0.5)
-        * 2.0
-    )
-    rise *= 1.0 - _heel_obstruction(person, k)
-    pitch = -rise if person.stepping else 0.0
-    if stance_fraction < HEEL_RISE_START:
-        pitch = 0.0
-        settle_fraction = 0.06 if person.stepping else 1.0
-        settled = smoothstep(min(stance_fraction / settle_fraction, 1.0))
-        person.pitch[k] *= math.exp(-PITCH_SETTLING_RATE * settled * dt)
-    else:
-        person.pitch[k] = pitch
-    if person.sit_blend > 0.0:
-        person.pitch[k] = -person.seat_heel_rise * smoothstep(person.sit_blend)
-    stood = row(person.stance_place, k)
-    slope = slope_along(person, frame, vertices, stood, person.yaw[k])
-    offset = ankle_offset(person, person.yaw[k], person.pitch[k], slope)
-    for i in range(3):
-        person.settling[k, i], person.settling_rate[k, i] = spring_step(
-            person.settling[k, i], person.settling_rate[k, i], 0.0, SETTLING_RATE, dt
-        )
-    put(person.ankles, k, plus(plus(stood, offset), row(person.settling, k)))
-
-
-@compiled
-def _heel_obstruction(person: Record, k: int) -> float:
-    """Return how much the other leg is in the way of a rising heel, 0 to 1.
-
-    The ankle moves ahead as the heel rises, which is towards the other leg once the pelvis has
-    turned away over the foot.
-    """
-    other_foot = _other_ankle(person, k)
-    x, z = other_foot[0] - person.stance_place[k, 0], other_foot[2] - person.stance_place[k, 2]
-    distance = max(hypotenuse(x, z), 1e-9)
-    ahead, _ = _ahead_and_right(x, z, person.yaw[k])
-    closeness = (HEEL_CLEARANCE - distance / (LATERAL_CLEARANCE * person.hips)) / (
-        HEEL_CLEARANCE - 1.0
-    )
-    return max(ahead / distance, 0.0) * smoothstep(closeness)
-
-
-@compiled
-def slope_along(person: Record, frame: Record, vertices: Array, place: Vector, yaw: float) -> float:
-    """Return the slope of the ground or the deck along a foot, upward [rad]."""
-    _, n, _ = support_at(person, frame, vertices, place[0], place[2])
-    return math.atan2(n[2] * math.sin(yaw) - n[0] * math.cos(yaw), n[1])
-
-
-@compiled
-def ankle_offset(person: Record, yaw: float, pitch: float, slope: float) -> Vector:
-    """Return the ankle offset of a foot turned about its ball or its heel [m].
-
-    Args:
-        person: `PERSON` record.
-        yaw: of the foot [rad].
-        pitch: from lying flat, toes up [rad].
-        slope: of the ground along the foot [rad].
-    """
-    c, s = math.cos(pitch), math.sin(pitch)
-    ahead = person.ball if pitch < 0.0 else person.ball - 0.72 * person.foot
-    # The ankle from the pivot is (-ahead, ankle); toes up is positive.
-    x = -ahead * c - person.ankle * s + ahead
-    y = -ahead * s + person.ankle * c - person.ankle
-    c, s = math.cos(slope), math.sin(slope)
-    x, y = c * x - s * y, s * x + c * y
-    return (x * math.cos(yaw), y, -x * math.sin(yaw))

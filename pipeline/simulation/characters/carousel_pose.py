@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.playthings import SPOKES
-from pipeline.simulation.dynamics.compiled import Records, compiled, entry
+from pipeline.simulation.dynamics.compiled import Records, bound, compiled, entry
 from pipeline.simulation.spatial import Array
 
 GAP_ANGLE = 2.0 * math.pi / SPOKES
@@ -24,6 +26,22 @@ GAP_TOLERANCE = 0.16
 """Angle to the middle of a gap within which a person passes between two posts [rad]."""
 
 
+class CarouselSurvey(NamedTuple):
+    """What measures a merry-go-round.
+
+    Attributes:
+        first: number of its first node.
+        p: (2 + 2 SPOKES, 3) its nodes, always up to date [m].
+        measure_deck: returns the radius of its deck [m], and the angle of its first post [rad].
+        measure_rate: returns how fast it turns [rad/s].
+    """
+
+    first: int
+    p: Array
+    measure_deck: Callable[[], tuple[float, float]]
+    measure_rate: Callable[[], float]
+
+
 @dataclass(eq=False)
 class CarouselPose:
     """A merry-go-round as it stands now. Angles are positive about +Y.
@@ -34,8 +52,7 @@ class CarouselPose:
         radius: of the deck [m].
         angle: of its first post [rad].
         feet, tops: (SPOKES, 3) ends of its posts [m].
-        nodes: of the merry-go-round.
-        sub_step: [s].
+        measure_rate: returns how fast it turns [rad/s].
     """
 
     first: int
@@ -44,13 +61,12 @@ class CarouselPose:
     angle: float
     feet: Array
     tops: Array
-    nodes: Records
-    sub_step: float
+    measure_rate: Callable[[], float]
 
     @cached_property
     def rate(self) -> float:
         """Rate at which it turned when first asked [rad/s]."""
-        return float(_turning_rate(self.nodes, self.sub_step))
+        return self.measure_rate()
 
     def without_rate(self) -> CarouselPose:
         """Return the same pose, whose rate is asked anew."""
@@ -88,15 +104,24 @@ class CarouselPose:
 
 def carousel_pose(view: CharacterView, owner: int) -> CarouselPose:
     """Return a merry-go-round as it stands now."""
-    pose = view.decks.poses.get(owner)
+    decks = view.decks
+    pose = decks.poses.get(owner)
     if pose is None:
-        first = view.first_node(owner)
-        nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
-        p, (radius, angle) = nodes["p"].copy(), _measure_deck(nodes)
+        survey = decks.surveys.get(owner)
+        if survey is None:
+            survey = decks.surveys[owner] = _survey(view, owner)
+        p, (radius, angle) = survey.p.copy(), survey.measure_deck()
         ends = p[2 : 2 + SPOKES], p[2 + SPOKES :]
-        pose = CarouselPose(first, p[0], radius, angle, *ends, nodes, view.sub_step)
-        view.decks.poses[owner] = pose
+        pose = CarouselPose(survey.first, p[0], radius, angle, *ends, survey.measure_rate)
+        decks.poses[owner] = pose
     return pose
+
+
+def _survey(view: CharacterView, owner: int) -> CarouselSurvey:
+    first = view.first_node(owner)
+    nodes = view.arrays.nodes[first : first + 2 + 2 * SPOKES]
+    rate = bound(_turning_rate, nodes, view.sub_step)
+    return CarouselSurvey(first, nodes["p"], bound(_measure_deck, nodes), rate)
 
 
 @entry

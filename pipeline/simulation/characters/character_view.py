@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.simulation.characters import held_bar
 from pipeline.simulation.characters.body_arrays import (
     FREE,
     NOBODY,
@@ -17,7 +18,6 @@ from pipeline.simulation.characters.body_arrays import (
     IntArray,
 )
 from pipeline.simulation.characters.deck_choice import Decks
-from pipeline.simulation.characters.held_bar import find_held_place, push_node
 from pipeline.simulation.characters.hurdles import STILL_SPEED
 from pipeline.simulation.characters.person_record import HEAD, KNEE, PELVIS, SHOULDERS
 from pipeline.simulation.characters.queues import Queues
@@ -169,7 +169,7 @@ class CharacterView:
     def find_held_place(self) -> Callable[[int, Array], None]:
         """Sets a place (3,) to that on a node or a bar at which a grip, by its number, holds it."""
         known = self.arrays.nodes, self.arrays.grips
-        return bound(find_held_place, *known, examples=(0, np.zeros(3)))
+        return bound(held_bar.find_held_place, *known, examples=(0, np.zeros(3)))
 
     def is_ball(self, owner: int) -> bool:
         """Tell whether a character is a ball: a single node."""
@@ -233,7 +233,7 @@ class CharacterView:
     @cached_property
     def push_node(self) -> Callable[[int, Array, float], None]:
         """Pushes a node, by its number, with an impulse (3,) [N s], for sub-steps [s]."""
-        return bound(push_node, self.arrays.nodes, examples=(0, np.zeros(3), 1.0))
+        return bound(held_bar.push_node, self.arrays.nodes, examples=(0, np.zeros(3), 1.0))
 
     def first_node(self, owner: int) -> int:
         """Return the number of the first node of a character."""

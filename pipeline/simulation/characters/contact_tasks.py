@@ -45,6 +45,8 @@ HANDED_MASS = 0.1  # below which a thing goes from hand to hand, in the person's
 STOPPING_SLACK, STOPPED_SLACK = 0.12, 0.2
 """Distance beyond the range of hands at which a person stops, and sets out again, in arms."""
 
+BOWING_COSINE = math.cos(BOWING_TOLERANCE)  # of the turn to a low place, before a person bows
+
 GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
 CLOSING_INTERVAL, HELD_INTERVAL = (
     2,
@@ -195,21 +197,22 @@ class Grab(Task):
         """See `Task`."""
         person, p = controller.record, controller.view.p
         self.nodes = self.nodes or self._choose_nodes(controller)
-        self.is_held = all(controller.held_node(k) >= 0 for k in self.hands)
+        self.is_held = controller.are_gripping(self.hands)
         if self.is_held:
             self.joins = self.leads_hands = False
             return True
         first = p[self.nodes[self.hands[0]]]
-        is_high = first[1] - person.floor > 0.4 * person.height
+        is_high = first.item(1) - person.floor > 0.4 * person.height
         near = (0.8 if is_high else BOWED_RANGE) * controller.arm
         near += controller.ball_radius(self.owner)
         # One that has stopped does not set out again for what its bow moves it away.
         is_stopped = not person.has_goal or self.standoff.is_stepping
         far = near + (STOPPED_SLACK if is_stopped else STOPPING_SLACK) * controller.arm
-        is_walking = controller.ground_distance(first) > far
+        distance = controller.ground_distance(first)
+        is_walking = distance > far
         held = controller.hands_holding(controller.view.names[self.owner])
         # What hangs from one hand is neither run after nor stepped off from.
-        is_ready = not is_walking and (is_high or self._is_bowed_to(controller, first))
+        is_ready = not is_walking and (is_high or self._is_bowed_to(controller, first, distance))
         joined_before = self.joins
         self.joins = self.leads_hands = bool(held) and (joined_before or not is_ready)
         if self.joins:
@@ -255,13 +258,11 @@ class Grab(Task):
         i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
         return {0: first + int(i), 1: first + int(j)}
 
-    def _is_bowed_to(self, controller: PersonController, place: Array) -> bool:
-        """Tell whether the person stands where it can bow to a low place without a step."""
-        is_faced = float(controller.direction_to(place) @ controller.ahead) > math.cos(
-            BOWING_TOLERANCE
-        )
-        is_near = controller.ground_distance(place) < LEAST_RANGE * controller.arm
-        return is_faced and not is_near and not self.standoff.is_stepping
+    def _is_bowed_to(self, controller: PersonController, place: Array, distance: float) -> bool:
+        """Tell whether a person at a distance from a low place [m] can bow to it without a step."""
+        if self.standoff.is_stepping or distance < LEAST_RANGE * controller.arm:
+            return False
+        return controller.cosine_to(place) > BOWING_COSINE
 
     def _join_hands(self, controller: PersonController, held: tuple[int, ...], dt: float) -> None:
         """Bring what one hand holds before the waist, and close the other around it."""

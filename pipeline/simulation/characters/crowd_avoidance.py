@@ -27,7 +27,6 @@ from pipeline.simulation.characters.barriers import (
     forbid_wall,
     note_passage,
 )
-from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gap_choice import (
     MOST_SEEN,
     SIGHT,
@@ -99,14 +98,6 @@ LATENESS_RATE, CALMING_RATE = 0.02, 0.0025  # change of it in a look: held up; w
 ARM_RATE = 0.06  # share of the change by which arms are kept in that is taken in a step
 
 
-def is_in_throng(person: Record) -> bool:
-    """Tell whether it is others, rather than things, who keep a walker from getting on."""
-    left = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
-    # Near its goal it goes slowly anyway.
-    speed = min(person.pace, 0.5 * VELOCITY_GAIN * left)
-    return bool(person.impatience > 0.0 and person.held_up > THRONG_SIDESTEP * speed)
-
-
 @allocating
 def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
     """Choose the sidestep of every person, once a step."""
@@ -124,7 +115,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
         person.looked = (person.looked + 1) % LOOK_INTERVAL
         if not person.has_goal:
             person.detour, person.impatience, person.held_up = 0.0, -PATIENCE, 0.0
-            person.lateness = 0.0
+            person.lateness, person.in_throng = 0.0, False
             person.arms_wanted_in = 0.0
             person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
             make_way(persons, places, order, n, near)
@@ -296,8 +287,8 @@ def _squeeze(person: Record, change: float, wanted_x: float, wanted_z: float) ->
     sign = 1.0 if gain < SLOW * speed else -1.0
     person.impatience = min(max(person.impatience + sign * change, -PATIENCE), 1.0)
     is_held_up = person.held_up * person.held_up > THRONG_SIDESTEP * THRONG_SIDESTEP * speed
-    is_late = is_held_up and person.impatience > 0.0 and sign > 0.0
-    growth = LATENESS_RATE if is_late else -CALMING_RATE
+    person.in_throng = is_held_up and person.impatience > 0.0
+    growth = LATENESS_RATE if person.in_throng and sign > 0.0 else -CALMING_RATE
     person.lateness = min(max(person.lateness + growth, 0.0), 1.0)
 
 

@@ -23,7 +23,7 @@ from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
-    from pipeline.simulation.characters.carousel_pose import CarouselPose
+    from pipeline.simulation.characters.carousel_pose import CarouselPose, CarouselSurvey
 
 NEAR_DECK = 1.5  # from the edge of a merry-go-round, within which a person heeds its deck [m]
 EDGE_ROOM = 0.15  # from the edge of a deck, farther in than which people start on it [m]
@@ -71,6 +71,7 @@ class Decks:
         boarding: names of people who are about to step onto each, by its number.
         leaving: numbers of people on each who want to step off it, by its number.
         poses: of the merry-go-rounds in this step, by their numbers, as far as asked for.
+        surveys: what measures each merry-go-round, by its number, as far as asked for.
     """
 
     arrays: CharacterArrays
@@ -79,6 +80,7 @@ class Decks:
     boarding: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
     leaving: dict[int, set[int]] = field(default_factory=lambda: defaultdict(set))
     poses: dict[int, CarouselPose] = field(default_factory=dict)
+    surveys: dict[int, CarouselSurvey] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Find the merry-go-rounds: what runs on a bearing."""

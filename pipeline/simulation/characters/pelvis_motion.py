@@ -122,19 +122,22 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         share = min(max((math.radians(115.0) - turn_angle) / math.radians(60.0), 0.0), 1.0)
         share = max(share, min(_shuffle(person) / speed, 1.0))
         wx, wz = wx * share, wz * share
-    elif speed > 1e-6:
-        if faces_away(person, (wx, wz)) and not person.startled:
-            # It feels its way, for it does not see where it steps.
-            share = min(BACKWARD_FROUDE * math.sqrt(GRAVITY * leg_length(person)) / speed, 1.0)
-            wx, wz = wx * share, wz * share
-    speed = hypotenuse(wx, wz)
-    if person.startled and speed > 1e-6:
-        # The head turns first, for it sees where it starts back to.
-        turn = abs(wrap_angle(math.atan2(-wz, wx) - person.gaze[0]))
-        if turn > BLIND_TURN:
-            share = min(BACKWARD_FROUDE * math.sqrt(GRAVITY * leg_length(person)) / speed, 1.0)
-            wx, wz = wx * share, wz * share
+        speed = hypotenuse(wx, wz)
+    if speed > 1e-6 and _feels_its_way(person, wx, wz):
+        share = min(BACKWARD_FROUDE * math.sqrt(GRAVITY * leg_length(person)) / speed, 1.0)
+        wx, wz = wx * share, wz * share
     return wx, wz
+
+
+@compiled
+def _feels_its_way(person: Record, wx: float, wz: float) -> bool:
+    """Tell whether a person does not see where it steps along x and z.
+
+    One that starts back turns its head to the way first.
+    """
+    if not person.startled:
+        return faces_away(person, (wx, wz))
+    return abs(wrap_angle(math.atan2(-wz, wx) - person.gaze[0])) > BLIND_TURN
 
 
 @compiled

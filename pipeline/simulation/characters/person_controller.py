@@ -94,7 +94,13 @@ class PersonController:
 
     def hand(self, k: int) -> Array:
         """Return (3,) the place of a hand [m]."""
-        return self.view.p[self.record.node + HAND + k]
+        return self._hands[k]
+
+    @cached_property
+    def _hands(self) -> Array:
+        """(2, 3) the places of the hands, always up to date [m]."""
+        first = int(self.record.node) + HAND
+        return self.view.p[first : first + 2]
 
     def ground_distance(self, place: Array) -> float:
         """Return the horizontal distance to a place [m]."""
@@ -107,6 +113,15 @@ class PersonController:
         x, z = x - at.item(0), z - at.item(1)
         size = math.hypot(x, z)
         return self.ahead if size < 1e-9 else np.array([x / size, 0.0, z / size])
+
+    def cosine_to(self, place: Array) -> float:
+        """Return the cosine of the angle from straight ahead to a place."""
+        at, (x, _, z) = self.record.at, place.tolist()
+        x, z = x - at.item(0), z - at.item(1)
+        size, heading = math.hypot(x, z), self.record.heading
+        if size < 1e-9:
+            return 1.0
+        return x / size * math.cos(heading) - z / size * math.sin(heading)
 
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].
@@ -272,6 +287,11 @@ class PersonController:
         """Return the node that a hand grips, -1 for none."""
         return self._gripped.item(k)
 
+    def are_gripping(self, hands: Sequence[int]) -> bool:
+        """Tell whether hands all grip nodes."""
+        nodes = self._gripped.tolist()
+        return all(nodes[k] >= 0 for k in hands)
+
     def held_place(self, k: int) -> Array:
         """Return (3,) the place on a node or a bar at which a grip holds it [m]."""
         place = np.empty(3)
@@ -287,8 +307,11 @@ class PersonController:
         owner, owners = self.view.owner(name), self.view.owner_of_node
         if owner < 0:
             return tuple(k for k in range(2) if self.held_members.get(k) == name)
-        nodes = [self.held_node(k) for k in range(2)]
-        return tuple(k for k, node in enumerate(nodes) if node >= 0 and owners[node] == owner)
+        left, right, _ = self._gripped.tolist()
+        if left < 0 and right < 0:
+            return ()
+        nodes = enumerate((left, right))
+        return tuple(k for k, node in nodes if node >= 0 and owners[node] == owner)
 
     def hold_member(self, name: str, hands: Sequence[int]) -> None:
         """Close hands around a member of another room, which follows them from now on."""

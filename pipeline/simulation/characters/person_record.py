@@ -161,6 +161,8 @@ PERSON = np.dtype(
         ("impatience", "f8"),
         # By how much others, rather than walls, change its velocity [m/s].
         ("held_up", "f8"),
+        # Whether it is others, rather than things, who keep it from getting on.
+        ("in_throng", "?"),
         # How far it makes up for time that others have cost it, 0 to 1 of the most haste.
         ("lateness", "f8"),
         # How far it keeps its arms to the body, where others pass close by, 0 to 1, and wants to.

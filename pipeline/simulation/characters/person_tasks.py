@@ -14,7 +14,6 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.carousel_pose import way_off_deck
-from pipeline.simulation.characters.crowd_avoidance import is_in_throng
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.task_progress import TaskProgress
@@ -231,7 +230,7 @@ def walking_failure(
     if person.frozen or person.sit_blend > 0.0 or person.group_wait > 0.0:
         return ""
     # Others go on sooner or later.
-    progress.free_time = 0.0 if is_in_throng(person) else progress.free_time + dt
+    progress.free_time = 0.0 if person.in_throng else progress.free_time + dt
     blocked_time = BLOCKED_TIME if progress.free_time > BLOCKED_TIME else THRONG_TIME
     vain_time = VAIN_TIME if progress.free_time > BLOCKED_TIME else THRONG_TIME
     if progress.update(left, dt, person.at) > blocked_time:

@@ -42,6 +42,7 @@ from pipeline.simulation.spatial import Array
 BOARDING_SPEED = 0.6  # of the rim of a merry-go-round, above which nobody steps on [m/s]
 BOARDING_PATIENCE = 5.0  # of a person that waits until it turns more slowly [s]
 ANNOUNCING_DISTANCE = 2.0  # from the rim within which pushers see that somebody comes [m]
+RIM_TOLERANCE = 0.15  # of a person from where it stands before the rim [m]
 COMING_TIME = 0.4  # by which a person sees where a gap between posts will be [s]
 CROSSING_LEAD = 0.2  # by which a person on its way through a gap walks to where that will be [s]
 STILL_RATE = 0.08  # of a merry-go-round below which a person goes to the gap [rad/s]
@@ -151,7 +152,8 @@ class RideCarousel(Ride):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         carousel = carousel_pose(controller.view, self.owner)
-        self._announce(controller, carousel)
+        distance = carousel.distance(controller)
+        self._announce(controller, distance < carousel.radius + ANNOUNCING_DISTANCE)
         self.is_at_still_rim = False
         if self.is_there:
             self._hold_on(controller, carousel, dt)
@@ -163,9 +165,10 @@ class RideCarousel(Ride):
             if self.number is not None:
                 self._go_to_post(controller, carousel, self.number, dt)
             return False
-        if controller.record.deck_share == 0.0 and not self._is_at_rim(controller, carousel):
+        outer = carousel.radius + controller.body_radius + OUTSIDE
+        if controller.record.deck_share == 0.0 and distance >= outer + RIM_TOLERANCE:
             own = carousel.angle_of(*controller.record.at.tolist())
-            place = carousel.place(own, carousel.radius + controller.body_radius + OUTSIDE)
+            place = carousel.place(own, outer)
             reason = self.approach.walk_to(controller, place, 0.0, self.owner, dt)
             self.stick(reason, self.approach)
         elif self._may_board(controller, carousel, dt):
@@ -173,20 +176,15 @@ class RideCarousel(Ride):
             self._step_on(controller, carousel, dt)
         return False
 
-    def _announce(self, controller: PersonController, carousel: CarouselPose) -> None:
-        """Let pushers know whether the person is about to step on."""
-        boarding = controller.view.decks.boarding[self.owner]
-        controller.view.decks.leaving[self.owner].discard(int(controller.record.owner))
-        is_near = carousel.distance(controller) < carousel.radius + ANNOUNCING_DISTANCE
+    def _announce(self, controller: PersonController, is_near: bool) -> None:
+        """Let pushers know whether the person, which is near or not, is about to step on."""
+        decks = controller.view.decks
+        boarding = decks.boarding[self.owner]
+        decks.leaving[self.owner].discard(controller.owner)
         if is_near and not self.is_aboard and not self.failure:
             boarding.add(controller.name)
         else:
             boarding.discard(controller.name)
-
-    def _is_at_rim(self, controller: PersonController, carousel: CarouselPose) -> bool:
-        """Tell whether a person stands near the rim."""
-        rim = carousel.radius + controller.body_radius + OUTSIDE
-        return carousel.distance(controller) < rim + 0.15
 
     def _step_on(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
         """Step through the gap that is there, or that comes by."""

@@ -195,7 +195,7 @@ class TaskDispatcher(TaskBook):
         self, k: int, controller: PersonController, giving: HandOver | None, time: float
     ) -> None:
         """Command a person, and see whether it has something to do in the next step."""
-        if self._embraces[controller.owner] >= 0:
+        if self._embraces.item(controller.owner) >= 0:
             controller.end_distant_embrace()
         if self._tasks[k] is not None:
             if not (self._waits[k] or k in self.suspended or k in self._reception.paused):
@@ -212,8 +212,9 @@ class TaskDispatcher(TaskBook):
             posed.advance(controller, time)
         self._looked_at[k] = self._gaze.choose(k, controller, task, time)
         has_work = task is not None or holds or controller.held_members or controller.parting
-        keeps = controller.avoided or posed or self._embraces[controller.owner] >= 0
-        if not (has_work or self._gaze.is_led(k) or keeps):
+        if has_work or controller.avoided or posed or self._gaze.is_led(k):
+            return
+        if self._embraces.item(controller.owner) < 0:
             self._active.discard(k)
 
     def _clear_facts(self) -> None:

@@ -14,6 +14,7 @@ from pipeline.simulation.characters.crowd_avoidance import (
     CALMING_RATE,
     LATENESS_RATE,
     LOOK_INTERVAL,
+    THRONG_SIDESTEP,
     _squeeze,
 )
 from pipeline.simulation.characters.headway import headway_share, passing_share
@@ -120,6 +121,19 @@ def test_who_is_held_up_grows_late_and_calms_down_again() -> None:
     for _ in range(round(1.0 / CALMING_RATE) + 1):
         squeeze.py_func(person, 0.01, 1.3, 0.0)
     assert person.lateness == 0.0
+
+
+@pytest.mark.parametrize(
+    ("impatience", "share", "in_throng"), [(0.2, 2.0, True), (0.2, 0.5, False), (-0.3, 2.0, False)]
+)
+def test_who_waits_for_others_is_in_a_throng_and_who_waits_before_a_thing_is_not(
+    impatience: float, share: float, in_throng: bool
+) -> None:
+    person: Any = zero_records(1, PERSON)[0]
+    person.impatience, person.held_up = impatience, share * THRONG_SIDESTEP * 1.3
+    squeeze: Any = _squeeze
+    squeeze.py_func(person, 0.01, 1.3, 0.0)
+    assert person.in_throng == in_throng
 
 
 def test_who_is_late_walks_faster() -> None:

@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters.carousel_pose import carousel_pose
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.deck_choice import top_of
 from pipeline.simulation.characters.push_task import PushRound
+from pipeline.simulation.characters.ride_task import CROSSING_LEAD, RideCarousel
 from pipeline.simulation.keyframe_track import rotation_from_angles
+from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
-from tests.simulation.characters.scripted_people import STEPS, Play, play_scene, run_scene
+from pipeline.spec import read_scene
+from tests.simulation.characters.scripted_people import (
+    STEPS,
+    Play,
+    play_scene,
+    run_scene,
+    troupe_of,
+)
 
 CAROUSEL = "- {name: c, character: merry-go-round, spin_deg: [0, 40, 0]}\n"
 CART = "prop: {shape: box, size: [1.6, 0.25, 1.0]}"
@@ -175,3 +186,25 @@ def test_a_rider_steps_onto_a_merry_go_round_and_another_pushes_it() -> None:
     assert (pusher["deck_share"] == 0.0).all()
     # Nobody's arm stays out.
     assert (pusher["arm_mode"][-1] == 0).all()
+
+
+@pytest.mark.parametrize("rate", [0.4, -0.4])
+def test_who_steps_onto_a_turning_deck_aims_at_where_the_gap_will_be(rate: float) -> None:
+    cast = "- {name: c, character: merry-go-round}\n- {name: kid, character: child, at: [1.8, 0]}"
+    characters = troupe_of(Simulation(read_scene(f"pronk: 1\nduration: 1\ncast:\n{cast}")))
+    controller = characters.dispatcher.controllers[0]
+    pose = carousel_pose(controller.view, controller.view.owner("c"))
+    pose = replace(pose, measure_rate=lambda: rate)
+
+    def aim(deck_share: float) -> float:
+        """Return the angle from the gap to where the person goes [rad]."""
+        task = RideCarousel("c", controller.view.owner("c"))
+        # Its gap is right before it.
+        task.gap = pose.angle_of(*controller.record.at.tolist()) - pose.angle
+        controller.record.deck_share, controller.record.stepping = deck_share, True
+        task._step_on(controller, pose, 1.0 / STEPS)
+        return pose.angle_of(*controller.record.goal.tolist()) - pose.angle - task.gap
+
+    assert aim(0.0) == pytest.approx(CROSSING_LEAD * rate)
+    # On the deck it turns along.
+    assert aim(0.5) == pytest.approx(0.0, abs=1e-9)

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.characters import Characters
+from pipeline.simulation.characters.person_record import PLACED, SWINGING
+from pipeline.simulation.characters.shove_task import YIELDING_TIME, Grapple
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import load_scene
-from tests.simulation.characters.mind_scenes import troupe
+from tests.simulation.characters.mind_scenes import simulation, troupe
 from tests.simulation.characters.scripted_people import STEPS, play_scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
@@ -124,3 +126,21 @@ def test_rivals_look_where_they_go() -> None:
     walking = walks.sum(axis=0)
     assert (walking * made.world.clock.dt > 6.0).all()
     assert ((walks & (ahead < 0.0)).sum(axis=0) < 0.03 * walking).all()
+
+
+@pytest.mark.parametrize(("sooner", "braces"), [(-0.5, False), (0.5, False), (1.5, True)])
+def test_who_would_strike_at_about_the_same_time_strikes_and_who_is_later_braces(
+    sooner: float, braces: bool
+) -> None:
+    cast = "- {name: a, character: adult, at: [0, 0]}\n"
+    cast += "- {name: b, character: adult, at: [0.6, 0], heading_deg: 180}"
+    controller = troupe(simulation(cast, 1.0)).dispatcher.controllers[0]
+    task, dt, drawn = Grapple(1), 1.0 / STEPS, 0.1
+    task.drawn = drawn
+    # The other strikes so much sooner than the hands of this one are drawn.
+    left = task.drawing_time - drawn - dt
+    controller.record.seen_push_left = left - sooner * YIELDING_TIME
+    task._draw_back(controller, 0.0, dt)
+    assert (task.drawn == 0.0) == braces
+    mode = SWINGING if braces else PLACED
+    assert controller.record.arm_mode.tolist() == [mode, mode]

@@ -12,15 +12,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.mind.sight import MOST_KNOWN, Sight, StraightWalk
+from pipeline.simulation.characters.mind.sight import MOST_KNOWN, WALK, Sight, StraightWalk
 from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
     SHRINK_FACTOR,
@@ -35,6 +35,7 @@ from pipeline.simulation.dynamics.compiled import (
     compiled,
     entry,
 )
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
 
@@ -103,12 +104,8 @@ def steer(
         return MotorCommand(facing=mind.heading_to((x, z)), target=target)
     detour = mind.detour
     forced = detour.forced if mind.now < detour.forced_until else 0.0
-    walk_straight = mind.walk_straight or _bind_straight_walk(mind)
-    circles = mind.surroundings.view.obstacle_circles
-    circles.update()
-    is_free, speed, goal_x, goal_z, left = walk_straight(
-        *(mind.obstacles, circles.middles, circles.radii, circles.keys, circles.things),
-        *(target, x, z, stop_distance, pace, forced),
+    is_free, speed, goal_x, goal_z, left = _straight_walker()(
+        *(mind.sight, mind.at, mind.walks), *(target, x, z, stop_distance, pace, forced)
     )
     if is_free:
         detour.route.leave()
@@ -195,17 +192,9 @@ def is_way_free(mind: Mind, place: Array) -> bool:
 
 @entry
 def _walk_straight(
-    places: Array,
-    distances: Array,
-    ats: Array,
+    sight: Sight,
+    at: Array,
     walks: Records,
-    radius: Array,
-    n: int,
-    is_obstacle: NDArray[np.bool_],
-    circle_middles: Array,
-    circle_radii: Array,
-    circle_keys: IntArray,
-    circle_things: IntArray,
     target: int,
     x: float,
     z: float,
@@ -216,17 +205,9 @@ def _walk_straight(
     """Tell whether the straight way to its goal is free for a walker, and write its walk there.
 
     Args:
-        places: (M, C, 3) of characters as minds remember them [m].
-        distances: (M, C) of these [m].
-        ats: (M, 2) places of the minds themselves [m].
-        walks: (M,) `WALK` of each; changed.
-        radius: (C,) of circles around characters [m].
-        n: the mind of the walker.
-        is_obstacle: (C,) see `Sight`.
-        circle_middles: likewise.
-        circle_radii: likewise.
-        circle_keys: likewise.
-        circle_things: likewise.
+        sight: of the walker.
+        at: (2,) its place [m].
+        walks: (1,) its `WALK`; changed.
         target: number of the character at the goal or NOBODY.
         x: of the goal [m].
         z: of the same.
@@ -234,19 +215,9 @@ def _walk_straight(
         pace: of the walk [m/s].
         forced: way round all obstacles, 0 where each has its own.
     """
-    walk, at = walks[n], ats[n]
+    walk = walks[0]
     walk.target, walk.place_x, walk.place_z = target, x, z
     walk.stop_distance, walk.pace, walk.forced = stop_distance, pace, forced
-    sight = Sight(
-        places[n],
-        distances[n],
-        radius,
-        is_obstacle,
-        circle_middles,
-        circle_radii,
-        circle_keys,
-        circle_things,
-    )
     obstacles = _find_obstacles(sight, walk.target, at, walk.body_radius)
     place = np.array((walk.place_x, walk.place_z))
     is_straight, _ = straight_way(at, place, obstacles.middles, obstacles.reaches, CLEARANCES[0])
@@ -257,18 +228,16 @@ def _walk_straight(
     return is_straight, walk.speed, walk.goal_x, walk.goal_z, walk.left
 
 
-def _bind_straight_walk(mind: Mind) -> Callable[..., StraightWalk]:
-    """Return `_walk_straight` of a mind, and leave it there."""
-    arrays, places, none = mind.arrays, np.zeros((1, 2)), np.zeros(1)
-    numbers, is_obstacle = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_)
-    circles = places, none, numbers, numbers
-    mind.walk_straight = bound(
-        _walk_straight,
-        *(arrays.places, arrays.distances, arrays.at, arrays.walks),
-        *(mind.surroundings.radius, mind.index),
-        examples=(is_obstacle, *circles, 0, 0.0, 0.0, 0.0, 0.0, 0.0),
+@cache
+def _straight_walker() -> Callable[..., StraightWalk]:
+    """Return `_walk_straight` for arguments of the types that it always has."""
+    numbers, places = np.zeros(1, dtype=np.int64), np.zeros((1, 3))
+    seen = Sight(
+        *(places, np.zeros(1), np.zeros(1), np.zeros(1, dtype=np.bool_)),
+        *(np.zeros((1, 2)), np.zeros(1), numbers, numbers),
     )
-    return mind.walk_straight
+    examples = seen, np.zeros(2), zero_records(1, WALK), 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    return bound(_walk_straight, examples=examples)
 
 
 @entry

@@ -9,7 +9,7 @@ Source: Horswill 2008, "High-level Control" and "Example application".
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Protocol
 
@@ -29,7 +29,7 @@ from pipeline.simulation.characters.mind.perception import (
     Memory,
     Surroundings,
 )
-from pipeline.simulation.characters.mind.sight import Sight, StraightWalk
+from pipeline.simulation.characters.mind.sight import Sight
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
@@ -86,7 +86,6 @@ class Mind:
         detour: of the present walk.
         walks: (1,) `WALK` of the present walk.
         walk: a view of it.
-        walk_straight: writes a straight walk where that is free; set by who steers first.
         struck: time of the last blow [s], and the striker's number or -1.
         behaviours: by name, in the order of the registry.
         biases: by a script, added to activations by name.
@@ -131,7 +130,6 @@ class Mind:
         self.arrays, self.index = arrays, number
         self.walks = arrays.walks[number : number + 1]
         self.walk = record_view(self.walks, 0)
-        self.walk_straight: Callable[..., StraightWalk] | None = None
         self.walk.body_radius = self.body_radius
         (self.walk.low_x, self.walk.low_z), (self.walk.high_x, self.walk.high_z) = (
             self.walking_bounds.tolist()

@@ -27,7 +27,7 @@ from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arr
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.own_gestures import OwnGestures
 from pipeline.simulation.characters.mind.perception import Surroundings, notice
-from pipeline.simulation.characters.mind.walk_command import write_walk_command
+from pipeline.simulation.characters.mind.walk_command import write_manner, write_walk_command
 from pipeline.simulation.characters.pain_rise import PainRise
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
@@ -59,7 +59,6 @@ MERRY_ANXIETY = 0.35  # below which a child at play laughs
 LAUGH_INTERVAL = 6.0  # on average, at play [s]
 STOPPING_ANXIETY = 0.2  # from which one stops to glance back
 GLANCING_BACK_ANGLE = 1.2  # from the way, beyond which one does [rad]
-MIN_PACE = 0.05  # [m/s]
 
 
 class MindScheduler:
@@ -298,12 +297,11 @@ class MindScheduler:
 
     def _act(self, k: int, mind: Mind) -> None:
         """Command a person to do what its mind has chosen."""
-        command, dispatcher = mind.command, self._dispatcher
-        if command.sits or command.task is not None:
-            person = mind.controller.record
-            person.frozen = person.fearful = command.frozen
-            person.startled = command.startled
-            person.pace = max(command.pace, MIN_PACE)
+        command, dispatcher, startled = mind.command, self._dispatcher, mind.command.startled
+        if not command.sits and command.task is None and dispatcher.task(k) is not None:
+            dispatcher.end(k)
+            startled = False
+        write_manner(mind.controller.record, command, startled)
         if command.sits:
             if not isinstance(dispatcher.task(k), SitDown):
                 dispatcher.begin(k, SitDown())
@@ -312,22 +310,17 @@ class MindScheduler:
             if dispatcher.task(k) is not command.task:
                 dispatcher.begin(k, command.task)
             return
-        startled = command.startled
-        if dispatcher.task(k) is not None:
-            dispatcher.end(k)
-            startled = False
         goal, facing = _goal_of_walk(mind, command), command.facing
         x, z = goal or (0.0, 0.0)
         self._write_command(
-            *(k, goal is not None, x, z, max(command.pace, MIN_PACE)),
+            *(k, goal is not None, x, z),
             command.target if command.touching else NOBODY,
-            *(facing is not None, facing or 0.0),
-            *(command.reaching, command.frozen, startled),
+            *(facing is not None, facing or 0.0, command.reaching),
         )
 
     @cached_property
     def _write_command(self) -> Callable[..., None]:
-        examples = 0, False, 0.0, 0.0, 0.0, 0, False, 0.0, False, False, False
+        examples = 0, False, 0.0, 0.0, 0, False, 0.0, False
         grips = self._surroundings.view.arrays.grips
         return bound(write_walk_command, self._persons, grips, examples=examples)
 

@@ -1,10 +1,28 @@
-"""Walk command: a mind's decision to walk or stand, written into the record of its person."""
+"""Walk command: a mind's decision to walk or stand, written into the record of its person.
+
+In what manner it does that, or a task, is written by itself.
+"""
 
 from __future__ import annotations
 
 from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
-from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, entry
+
+MIN_PACE = 0.05  # [m/s]
+
+
+def write_manner(person: Record, command: MotorCommand, startled: bool) -> None:
+    """Write in what manner a person carries out a command.
+
+    Args:
+        person: `PERSON` record; changed.
+        command: of its mind.
+        startled: whether it starts back from pain now.
+    """
+    person.frozen = person.fearful = command.frozen
+    person.startled, person.pace = startled, max(command.pace, MIN_PACE)
 
 
 @entry
@@ -15,13 +33,10 @@ def write_walk_command(
     goes: bool,
     x: float,
     z: float,
-    pace: float,
     partner: int,
     faces: bool,
     facing: float,
     reaching: bool,
-    frozen: bool,
-    startled: bool,
 ) -> None:
     """Command a person to walk, or to stand; hands that hold nothing hang or reach ahead.
 
@@ -32,17 +47,12 @@ def write_walk_command(
         goes: whether it walks.
         x: of its goal [m].
         z: of the same.
-        pace: of the walk [m/s].
         partner: number of the character that is not stepped aside for, or NOBODY.
         faces: whether it keeps facing a heading.
         facing: that heading [rad].
         reaching: whether free hands are held out ahead.
-        frozen: whether it keeps quite still.
-        startled: whether it starts back from pain.
     """
     person = persons[k]
-    person.frozen = person.fearful = frozen
-    person.startled, person.pace = startled, pace
     person.posture, person.has_goal, person.has_facing = STANDING, goes, faces
     if goes:
         person.goal[0], person.goal[1] = x, z

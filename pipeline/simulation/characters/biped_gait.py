@@ -16,7 +16,10 @@ import math
 
 from pipeline.simulation.characters.deck_motion import clear_of_edge, support_at
 from pipeline.simulation.characters.gait_timing import (
+    RUN_BLEND,
+    RUN_FROUDE,
     foot_lag,
+    froude,
     gait_pace,
     ground_speed,
     heel_offset,
@@ -55,6 +58,7 @@ HEEL_RISE_START = 0.55  # fraction of the stance at which the heel rises at the 
 HEEL_RISE_ANGLE = math.radians(48.0)  # about the ball until lift-off
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 
+BRISK_FROUDE = 0.45  # speed from which feet swing more evenly, in √(g l)
 FASTEST_RAISE = 2.3  # of a swing under way, in leg lengths [1/s]
 PITCH_SETTLING_RATE = 83.0  # at which a foot comes to lie flat [1/s]
 SETTLING_RATE = 30.0  # at which a caught foot comes to stand [1/s]
@@ -312,11 +316,15 @@ def minimum_jerk(u: float) -> float:
 def _swing_progress(person: Record, u: float) -> float:
     """Return the fraction of its way that a foot has gone at a fraction u of its swing.
 
-    Runners swing their feet more evenly: minimum jerk, a quarter faster at its middle, would turn
-    their legs faster than hips do. A walking foot that lands so would slide.
+    Those who walk briskly swing their feet more evenly, and runners the most: minimum jerk, a
+    quarter faster at its middle, would turn their legs faster than hips do. The foot of one who
+    walks slowly would slide as it lands so.
     """
-    run = run_blend(ground_speed(person), leg_length(person))
-    return (1.0 - run) * minimum_jerk(u) + run * smoothstep(u)
+    brisk = smoothstep(
+        (froude(ground_speed(person), leg_length(person)) - BRISK_FROUDE)
+        / (RUN_FROUDE + RUN_BLEND - BRISK_FROUDE)
+    )
+    return (1.0 - brisk) * minimum_jerk(u) + brisk * smoothstep(u)
 
 
 @compiled

@@ -381,7 +381,7 @@ def _set_targets(
         advance_stoop(person, dt)
         follow_bars(person, nodes, grips)
         hold_trunk(person, nodes, dt)
-        hold_legs(person)
+        hold_legs(person, dt)
         hold_arms(person, dt)
         hold_dance(person, owners, dt)
     person.report_time += dt

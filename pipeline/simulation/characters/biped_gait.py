@@ -15,7 +15,10 @@ import math
 
 from pipeline.simulation.characters.deck_motion import clear_of_edge, support_at
 from pipeline.simulation.characters.gait_timing import (
+    RUN_BLEND,
+    RUN_FROUDE,
     foot_lag,
+    froude,
     gait_pace,
     ground_speed,
     heel_offset,
@@ -59,6 +62,7 @@ WALKING_FROUDE = 0.03  # speed below which a person does not walk, in √(g l)
 # How a foot swings and lands.
 TOE_LIFT_ANGLE = math.radians(16.0)  # toes up when the heel lands
 
+BRISK_FROUDE = 0.45  # speed from which feet swing more evenly, in √(g l)
 FASTEST_RAISE = 2.3  # of a swing under way, in leg lengths [1/s]
 
 # How a foot gets up or down a high step: up and then ahead, or ahead and then down. On its usual
@@ -301,11 +305,15 @@ def minimum_jerk(u: float) -> float:
 def _swing_progress(person: Record, u: float) -> float:
     """Return the fraction of its way that a foot has gone at a fraction u of its swing.
 
-    Runners swing their feet more evenly: minimum jerk, a quarter faster at its middle, would turn
-    their legs faster than hips do. A walking foot that lands so would slide.
+    Those who walk briskly swing their feet more evenly, and runners the most: minimum jerk, a
+    quarter faster at its middle, would turn their legs faster than hips do. The foot of one who
+    walks slowly would slide as it lands so.
     """
-    run = run_blend(ground_speed(person), leg_length(person))
-    return (1.0 - run) * minimum_jerk(u) + run * smoothstep(u)
+    brisk = smoothstep(
+        (froude(ground_speed(person), leg_length(person)) - BRISK_FROUDE)
+        / (RUN_FROUDE + RUN_BLEND - BRISK_FROUDE)
+    )
+    return (1.0 - brisk) * minimum_jerk(u) + brisk * smoothstep(u)
 
 
 @compiled

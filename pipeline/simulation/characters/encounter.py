@@ -26,10 +26,12 @@ class Encounter:
 
     Attributes:
         coming: speed at which the partner comes nearer [m/s].
+        leaving: speed at which it gets away [m/s].
         seen: place of the partner (3,) at the step before [m].
     """
 
     coming: float = 0.0
+    leaving: float = 0.0
     seen: Array | None = None
 
     def share_of_way(
@@ -47,7 +49,9 @@ class Encounter:
         moved = np.zeros(3) if self.seen is None else partner - self.seen
         self.seen = partner.copy()
         share = min(dt / COMING_TIME, 1.0)
-        self.coming += share * (max(-float(moved @ ahead) / dt, 0.0) - self.coming)
+        away = float(moved @ ahead) / dt
+        self.coming += share * (max(-away, 0.0) - self.coming)
+        self.leaving += share * (max(away, 0.0) - self.leaving)
         own = math.hypot(*controller.record.velocity)
         left = max(controller.ground_distance(partner) - touching, 0.0)
         return left * self.coming / max(self.coming + own, LEAST_APPROACH)

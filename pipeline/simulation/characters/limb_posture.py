@@ -245,11 +245,12 @@ KNEE_CLEARANCE = 0.094  # of knees that pass one another, in heights: two thighs
 KNEE_RANGE = 4.0  # distance ahead within which knees part, in knee clearances
 MAX_THIGH_LEAN = 0.6  # sine of the lean beyond which no more clearance is made
 PARTING_BLEND = 0.3  # of a swing, in which it comes to yield to the other knee alone
+CLOSING_KNEE = 1.8  # turn at most at which a knee comes back that has parted [rad/s]
 
 
 @compiled
-def hold_legs(person: Record) -> None:
-    """Set the targets of knees and feet."""
+def hold_legs(person: Record, dt: float) -> None:
+    """Set the targets of knees and feet, `dt` after the last ones [s]."""
     for k in range(2):
         hip, ankle = row(person.targets, HIP + k), row(person.ankles, k)
         if person.foot_state[k] == SWING:
@@ -275,7 +276,11 @@ def hold_legs(person: Record) -> None:
         )
         put(person.targets, KNEE + k, knee)
         put(person.targets, FOOT + k, ankle)
-    _part_knees(person)
+    right = (math.sin(person.heading), 0.0, math.cos(person.heading))
+    unparted = (_knee_turn(person, 0, right), _knee_turn(person, 1, right))
+    _part_knees(person, right)
+    for k in range(2):
+        _close_slowly(person, k, unparted[k], right, dt)
 
 
 @compiled
@@ -300,12 +305,11 @@ def _longest_swing(person: Record, k: int) -> float:
 
 
 @compiled
-def _part_knees(person: Record) -> None:
+def _part_knees(person: Record, right: Vector) -> None:
     """Turn knees outward that would collide, that of the swinging leg more.
 
     A knee that is as far outward as it goes leaves the rest to the other one.
     """
-    right = (math.sin(person.heading), 0.0, math.cos(person.heading))
     share = 0.5 + 0.5 * (_middle_of_swing(person, 1) - _middle_of_swing(person, 0))
     deficits = (_knee_deficit(person, 0, right), _knee_deficit(person, 1, right))
     _move_outward(person, 0, (1.0 - share) * deficits[0], right)
@@ -321,6 +325,38 @@ def _move_outward(person: Record, k: int, distance: float, right: Vector) -> Non
         hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
         knee = _turned_outward(person, k, hip, ankle, distance, right)
         put(person.targets, KNEE + k, knee)
+
+
+@compiled
+def _knee_turn(person: Record, k: int, right: Vector) -> float:
+    """Return the turn of a knee outward about the line from hip to ankle [rad]."""
+    hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
+    radial, outward = _knee_axes(person, k, hip, ankle, right)
+    return math.asin(min(max(dot(radial, outward) / max(length(radial), 1e-9), -1.0), 1.0))
+
+
+@compiled
+def _close_slowly(person: Record, k: int, unparted: float, right: Vector, dt: float) -> None:
+    """Let a knee come back slowly from where it has made room for the other one.
+
+    Once they have passed, the clearance that it needs ends at once.
+
+    Args:
+        person: `PERSON` record.
+        k: number of the leg.
+        unparted: its turn without the other one [rad].
+        right: of the person.
+        dt: since the last step [s].
+    """
+    now = _knee_turn(person, k, right)
+    parted = max(now - unparted, person.knee_parted[k] - CLOSING_KNEE * dt, 0.0)
+    person.knee_parted[k] = parted
+    turn = unparted + parted
+    if turn > now:
+        hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
+        radial, _ = _knee_axes(person, k, hip, ankle, right)
+        distance = length(radial) * (math.sin(min(turn, 0.5 * math.pi)) - math.sin(now))
+        _move_outward(person, k, distance, right)
 
 
 @compiled
@@ -348,18 +384,27 @@ def _knee_deficit(person: Record, k: int, right: Vector) -> float:
 
 
 @compiled
-def _turned_outward(
-    person: Record, k: int, hip: Vector, ankle: Vector, distance: float, right: Vector
-) -> Vector:
-    """Return the knee turned outward about the line from hip to ankle by a distance [m]."""
+def _knee_axes(
+    person: Record, k: int, hip: Vector, ankle: Vector, right: Vector
+) -> tuple[Vector, Vector]:
+    """Return the offset of a knee from the line from hip to ankle, and its unit vector outward."""
     knee, along = row(person.targets, KNEE + k), minus(ankle, hip)
     line = times(1.0 / length(along), along)
     radial = minus(knee, hip)
     radial = minus(radial, times(dot(radial, line), line))
     side = 1.0 if k == 1 else -1.0
-    radius = length(radial)
     outward = times(side, minus(right, times(dot(right, line), line)))
-    outward = times(1.0 / length(outward), outward)
+    return radial, times(1.0 / length(outward), outward)
+
+
+@compiled
+def _turned_outward(
+    person: Record, k: int, hip: Vector, ankle: Vector, distance: float, right: Vector
+) -> Vector:
+    """Return the knee turned outward about the line from hip to ankle by a distance [m]."""
+    knee = row(person.targets, KNEE + k)
+    radial, outward = _knee_axes(person, k, hip, ankle, right)
+    radius = length(radial)
     across = min(dot(radial, outward) + distance, 0.95 * radius)
     pole = minus(radial, times(dot(radial, outward), outward))
     ahead = length(pole)

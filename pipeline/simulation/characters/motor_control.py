@@ -133,9 +133,14 @@ def _within_view_of_way(person: Record, aside: float) -> float:
 
     The head turns to the way before the person sets out, and keeps to the present way until it has
     slowed down. A person walking backward looks over a shoulder, unless it only feels its way back
-    before what it keeps facing. One that sees a push coming turns its face away from it.
+    before what it keeps facing. One that sees a push coming turns its face away from it. One that
+    a deck carries sees where that goes.
     """
-    goal, velocity = goal_velocity(person), (person.velocity[0], person.velocity[1])
+    goal = goal_velocity(person)
+    velocity = (
+        person.velocity[0] + person.carry_velocity[0],
+        person.velocity[1] + person.carry_velocity[1],
+    )
     if person.braces:
         source = math.atan2(person.push_way[1], -person.push_way[0])
         turned = wrap_angle(person.heading - source)
@@ -381,7 +386,7 @@ def _set_targets(
         advance_stoop(person, dt)
         follow_bars(person, nodes, grips)
         hold_trunk(person, nodes, dt)
-        hold_legs(person)
+        hold_legs(person, dt)
         hold_arms(person, dt)
         hold_dance(person, owners, dt)
     person.report_time += dt

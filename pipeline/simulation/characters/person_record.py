@@ -82,6 +82,8 @@ PERSON = np.dtype(
         ("liftoff_yaw", "f8", 2),
         ("landing_yaw", "f8", 2),
         ("swing_height", "f8", 2),
+        # Turn of each knee outward that makes room for the other one [rad].
+        ("knee_parted", "f8", 2),
         # Height at which a swing ends, as far as it has come to heed it, and how much higher or
         # lower that is than the slope there explains [m]; what a foot that was caught in mid-swing
         # is still off its stance, and the rate of that [m], [m/s].

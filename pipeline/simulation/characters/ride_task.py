@@ -55,6 +55,8 @@ HANDS_APART = 0.08  # on a post [m]
 CLOSING, REACHING = 0.06, 0.2  # of a hand to its place: it closes; it may touch; in heights
 HOLDING_TIME = 2.0  # after which a rider is content with what its hands have got [s]
 HOLDING_INTERVAL, CLOSING_INTERVAL = 4, 2  # of commands to one who holds on, and before [steps]
+FACED_WAY = math.radians(40.0)  # from the post to where a rider goes, to which it faces
+BRISK_RATE = 0.4  # of a merry-go-round from which it does so wholly [rad/s]
 AT_PLACE = 0.12  # of a rider from its place [m]
 LOST_DECK = 0.3  # share of the weight on a deck below which a rider has left it
 
@@ -235,11 +237,13 @@ class RideCarousel(Ride):
         return False
 
     def _hold_on(self, controller: PersonController, carousel: CarouselPose, dt: float) -> None:
-        """Face the post, and close the free hands around it."""
+        """Face the post, half turned to the way, and close the free hands around it."""
         assert self.number is not None
         self.held += dt
         foot, top = carousel.feet[self.number], carousel.tops[self.number]
         controller.face_to(foot)
+        turn = FACED_WAY * min(max(carousel.rate / BRISK_RATE, -1.0), 1.0)
+        controller.turn_to(float(controller.record.facing) + turn)
         shoulders = shoulder_height(controller)
         level = min(shoulders - HOLDING_LEVEL * controller.arm, float(top[1]) - TOP_MARGIN)
         lowest = shoulders - LOWEST_LEVEL * controller.arm

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.encounter import Encounter, closing_pace
 from pipeline.simulation.characters.grasp import lift_over_knees
 from pipeline.simulation.characters.person_controller import PersonController
@@ -32,6 +33,7 @@ from pipeline.simulation.spatial import Array
 
 SHOVING_RANGE = 0.95  # of palms before the own middle when they strike, in arm lengths
 SHOVING_RATE = 1.5  # speed of the last steps to a shove, by the distance that is left [1/s]
+FOLLOWING_TIME = 2.0 / VELOCITY_GAIN  # by which it walks ahead of one that walks on [s]
 DRAWING_RANGE = 0.6  # beyond the former, within which hands are drawn back, in arm lengths
 STRIKING_RANGE = 0.2  # beyond the former, within which they strike, in arm lengths
 SHOVING_TOLERANCE = math.radians(30.0)  # of the turn to the partner
@@ -109,9 +111,12 @@ class Grapple(Task):
             return False
         stop = self._range(controller, chest)
         share = self.encounter.share_of_way(controller, partner, stop, dt)
-        reason = self.approach.walk_to(controller, partner, stop + share, self.owner, dt)
+        # Whoever slows down before the place of one that walks on never gets near.
+        leaving = self.encounter.leaving
+        short = max(stop + share - FOLLOWING_TIME * leaving, 0.0)
+        reason = self.approach.walk_to(controller, partner, short, self.owner, dt)
         left = controller.ground_distance(partner) - stop
-        self.most_pace = closing_pace(controller, left - share, SHOVING_RATE)
+        self.most_pace = leaving + closing_pace(controller, left - share, SHOVING_RATE)
         if left > DRAWING_RANGE * controller.arm:
             self.near = self.drawn = 0.0
             _lower_hands(controller)

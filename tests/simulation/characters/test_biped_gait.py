@@ -12,7 +12,7 @@ from pipeline.simulation.characters import character_plans
 from pipeline.simulation.characters.biped_gait import _step_progress
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.gait_timing import duty_factor, stride_rate
-from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.characters.person_record import FOOT, HIP, KNEE, PERSON
 from pipeline.simulation.dynamics.compiled import Records, entry
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.people.proportions import ADULT, CHILD
@@ -202,6 +202,23 @@ def test_knees_of_runners_and_turning_walkers_do_not_swivel(kind: str, speed: fl
     moved = np.linalg.norm(np.diff(play.joint("a", "pelvis"), axis=0), axis=1).max() * STEPS
     assert moved > 0.7 * speed
     assert max(knee_turn_speeds(play, "a", side).max() for side in "lr") < 2.0
+
+
+def test_a_knee_that_has_made_room_comes_back_slowly() -> None:
+    """It would jerk inward once the other one is past."""
+    play = play_scene(corners("adult", 1.0, 140.0))
+    targets, heading = play.records["targets"][:, 0], play.records["heading"][:, 0]
+    right = np.stack([np.sin(heading), 0.0 * heading, np.cos(heading)], axis=1)
+    for k, side in enumerate((-1.0, 1.0)):
+        hip, knee, foot = targets[:, HIP + k], targets[:, KNEE + k], targets[:, FOOT + k]
+        line = (foot - hip) / np.linalg.norm(foot - hip, axis=1, keepdims=True)
+        off = knee - hip - ((knee - hip) * line).sum(axis=1, keepdims=True) * line
+        outward = side * (right - (right * line).sum(axis=1, keepdims=True) * line)
+        sine = (off * outward).sum(axis=1)
+        sine /= np.linalg.norm(off, axis=1) * np.linalg.norm(outward, axis=1)
+        turn = np.arcsin(np.clip(sine, -1.0, 1.0))
+        assert turn.max() > math.radians(20.0)
+        assert np.diff(turn).min() * STEPS > -5.0
 
 
 def test_joints_never_bend_backwards() -> None:

@@ -165,6 +165,17 @@ def test_hands_follow_the_posts_of_a_turning_merry_go_round_from_step_to_step() 
         assert max(found) < 3.0 * moved
 
 
+def test_a_rider_sees_where_a_merry_go_round_carries_it() -> None:
+    play = play_scene(f"duration: 9\n{PUSHED_RIDE}")
+    rider, now = play.records[6 * STEPS :, 1], 6 * STEPS
+    v = np.diff(play.joint("rider", "pelvis")[now:, ::2], axis=0)
+    way = np.arctan2(-v[:, 1], v[:, 0])
+    assert np.hypot(*v.T).mean() * STEPS > 0.3
+    assert (np.cos(rider["gaze"][1:, 0] - way) > 0.0).mean() > 0.98
+    # The body is half turned to it, so that the neck need not be.
+    assert (np.cos(rider["heading"][1:] - way) > math.cos(math.radians(75.0))).mean() > 0.95
+
+
 @pytest.mark.nightly
 def test_a_rider_steps_onto_a_merry_go_round_and_another_pushes_it() -> None:
     cast = "- {name: c, character: merry-go-round}\n"

@@ -47,6 +47,18 @@ def test_a_shove_throws_the_other_back_and_hurts() -> None:
     assert np.linalg.norm(changes, axis=2).max() < 4.0
 
 
+def test_drawn_hands_are_no_offer_of_a_hug() -> None:
+    scene = SCENE.replace("heading_deg: 180}", "heading_deg: 180, behaviours: [{comfort: a}]}")
+    assert "comfort" in scene
+    embraces = []
+    play = play_scene(scene, lambda troupe, _: embraces.append(troupe.arrays.owners["embraces"][1]))
+    struck = int(np.argmax(np.diff(play.joint("b", "pelvis")[:, 0]) * STEPS > 0.5))
+    assert struck > 0
+    assert max(embraces[:struck]) < 0
+    # It has braced and averted its face instead.
+    assert play.records["braces"][struck - 5, 1]
+
+
 def test_a_shoved_child_steps_back_without_sinking_between_its_feet() -> None:
     play = play_scene(SCENE.replace("character: adult", "character: child"))
     pushed = play.joint("b", "pelvis")

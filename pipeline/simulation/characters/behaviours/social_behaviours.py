@@ -119,8 +119,12 @@ class ComfortChild(ConfiguredBehaviour[Comfort]):
         return 0.5 + self.config.urge if is_near else 0.0
 
     def _arrives(self, mind: Mind) -> bool:
-        """Tell whether the child is about to put its arms around this person, or has."""
-        return mind.opens_arms(self.target) and mind.gap(self.target) < 1.2 * HUG_GAP
+        """Tell whether the child is about to put its arms around this person, or has.
+
+        One that draws its hands back and pushes opens its arms, too.
+        """
+        is_near = mind.gap(self.target) < 1.2 * HUG_GAP
+        return is_near and mind.opens_arms(self.target) and not mind.sees_push
 
     def _is_let_go(self, mind: Mind) -> bool:
         """Tell whether the child opens its arms again, as can be felt, or is gone."""

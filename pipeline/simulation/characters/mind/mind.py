@@ -233,6 +233,11 @@ class Mind:
         task = self.command.task
         return isinstance(task, Hug) and task.touched > 0.0
 
+    @property
+    def sees_push(self) -> bool:
+        """Whether it sees that somebody is about to push it."""
+        return math.isfinite(float(self.controller.record.seen_push_left))
+
     def opens_arms(self, owner: int) -> bool:
         """Tell whether a character holds both arms out for somebody, as far as can be seen."""
         record = self._records.get(owner)

@@ -63,7 +63,7 @@ def creases(size: int = 1024) -> Plane:
     relief = np.zeros((size, size), np.float32)
     # Unlike ones: two that cross evenly are a quilt.
     for turn_deg, weight in ((50.0, 1.0), (-64.0, 0.55)):
-        bend = noise(rng, 2.6, first=4, last=36, size=size, stretch=2.8, turn_deg=turn_deg)
+        bend = noise(rng, 2.6, first=4, last=20, size=size, stretch=2.8, turn_deg=turn_deg)
         # A fold is round above and sharp below.
         relief += weight * np.sqrt(bend * bend + 0.04)
     return _with_unit_slopes(relief)

@@ -42,8 +42,8 @@ MIXES = ((0.5, 0.35, 0.15), (0.12, 0.6, 0.28), (0.04, 0.2, 0.76))
 AWNINGS = ("awning red", "awning green", "awning blue")
 
 
-AT_HOME = 0.42
-"""Share of the windows behind which there is light after dark."""
+AT_HOME, BRIGHT = 0.42, 0.6
+"""Share of the windows behind which there is light after dark, and of these that are bright."""
 
 
 @dataclass(frozen=True)
@@ -178,11 +178,15 @@ class House(Facade):
             self.add("pane", (middle, foot + 2.33, -0.2), (wide, 0.4, 0.03))
             self.add("hewn stone", (middle, foot + 2.12, -0.18), (wide, 0.07, 0.1))
         else:
-            self.add(self._pane(middle, foot), (middle, up, -0.27), (wide, tall, 0.02))
+            pane = self._pane(middle, foot)
+            self.add(pane, (middle, up, -0.27), (wide, tall, 0.02))
             glazing = self._glazing if opening.kind == "window" else SHOP_GLAZING
             boxes = glazing.bars(wide, tall, wood)
             if opening.kind == "window":
-                boxes += dressing(float(self.rng.uniform()), self.rng, wide, tall)
+                hung = dressing(float(self.rng.uniform()), self.rng, wide, tall)
+                # Light from within shines through it.
+                lit = "" if pane == "pane" else "lit "
+                boxes += [box._replace(material=lit + box.material) for box in hung]
             for material, (along, over, before), size in boxes:
                 at = (middle + along, foot + opening.low + over, before)
                 self.add(material, at, size)
@@ -199,7 +203,9 @@ class House(Facade):
         place = np.rint(100.0 * self.at((middle, foot, 0.0))).astype(np.int32)
         # By its place, so that the rest of the house is the same.
         (number,) = hashed(place[:1], place[2:], int(place[1]))
-        return "lit pane" if number < AT_HOME else "pane"
+        if number >= AT_HOME:
+            return "pane"
+        return "lit pane" if number < BRIGHT * AT_HOME else "dim pane"
 
     def _flower_box(self, middle: float, sill: float, wide: float) -> None:
         """Add a box on a sill, and note where flowers grow in it."""

@@ -22,11 +22,18 @@ def _behind_glass(color: str) -> Material:
     return Material.model_validate({"color": color, "roughness": 0.9, "clearcoat": 1.0})
 
 
+def _glowing(color: str, glow: float) -> Material:
+    return Material.model_validate({"color": color, "roughness": 0.3, "glow": glow})
+
+
 # Both faces of the glass reflect.
 PANE = Material.model_validate(
     {"color": "#1a2428", "roughness": 0.04, "clearcoat": 1.0, "ior": 2.2}
 )
 LANTERN_GLASS = Material.model_validate({"color": "#cdbf9a", "roughness": 0.3})
+
+DRESSINGS = {"curtain": "#8a8070", "blind": "#75664c", "net": "#6f706c"}
+"""Colours of what hangs behind panes."""
 
 MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "ochre": _plaster("#c08f52", "#b8894e"),
@@ -54,16 +61,19 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "pane": PANE,
     # By day one does not see that somebody is at home.
     "lit pane": PANE,
-    "curtain": _behind_glass("#8a8070"),
-    "blind": _behind_glass("#75664c"),
-    "net": _behind_glass("#6f706c"),
+    "dim pane": PANE,
+    **{f"{lit}{name}": _behind_glass(c) for lit in ("", "lit ") for name, c in DRESSINGS.items()},
     "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }
 """Materials of houses, by the names that follow `edging`."""
 
 AFTER_DARK: Mapping[str, Material] = {
-    "lit pane": Material.model_validate({"color": "#ffa04a", "roughness": 0.3, "glow": 1.1}),
-    "lantern glass": Material.model_validate({"color": "#ffc27a", "roughness": 0.3, "glow": 1.5}),
+    "lit pane": _glowing("#ffa955", 1.2),
+    "dim pane": _glowing("#ff8f3c", 0.5),
+    "lit curtain": _glowing("#d9722e", 0.3),
+    "lit blind": _glowing("#e08a44", 0.34),
+    "lit net": _glowing("#e8a468", 0.5),
+    "lantern glass": _glowing("#ffc27a", 1.5),
 }
 """Those that glow when the sun is down, from behind curtains, and in the lanterns of the street."""

@@ -104,16 +104,16 @@ class Denoiser:
         Raises:
             DenoiseError: the denoiser failed.
         """
-        small = np.ascontiguousarray(light)
-        cleaned = small + blur.soft * (self._denoise(small, mode) - small)
+        height, width = light.shape[:2]
+        picture = np.ascontiguousarray(light)
+        cleaned = picture + blur.soft * (self._denoise(picture, mode) - picture)
         for halvings, share in enumerate(blur.coarse, start=1):
             if not share.any():
                 break
-            small = half_size(small)
-            coarse = self._denoise(small, mode)
+            picture = half_size(picture)
+            coarse = self._denoise(picture, mode)
             for _ in range(halvings):
                 coarse = double_size(coarse)
-            height, width = light.shape[:2]
             cleaned += share * (coarse[:height, :width] - cleaned)
         return cleaned
 

@@ -56,8 +56,7 @@ class LensBlur:
 
     Attributes:
         soft: how far each pixel is out of focus.
-        coarse: how far a picture of half the size holds all that is seen there, one of a quarter
-            of it, and so on.
+        coarse: how far pictures of half and of a quarter of the size hold all that is seen there.
     """
 
     soft: Image

@@ -75,10 +75,16 @@ def _least(radius: NDArray[np.floating], reach: int) -> NDArray[np.floating]:
     """Return the smallest blur (H, W) within a square of `2 reach + 1` pixels around each."""
     for axis in (0, 1):
         border = [(reach, reach) if k == axis else (0, 0) for k in (0, 1)]
-        windows = np.lib.stride_tricks.sliding_window_view(
-            np.pad(radius, border, "edge"), 2 * reach + 1, axis
-        )
-        radius = windows.min(axis=-1)
+        padded, span, width = np.pad(radius, border, "edge"), 1, 2 * reach + 1
+        # The minimum of two windows that overlap is that of one twice as long.
+        while span < width:
+            step = min(span, width - span)
+            count = padded.shape[axis] - step
+            padded = np.minimum(
+                padded.take(range(count), axis), padded.take(range(step, step + count), axis)
+            )
+            span += step
+        radius = padded
     return radius
 
 

@@ -210,7 +210,7 @@ def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
     Every triangle is projected along the axis that it faces, which stretches no pattern by more
     than the square root of three. Where two sides meet, vertices are doubled; the doubles keep
     one normal, so that the seam is in the pattern alone. Rows of a pattern run along the longest
-    side of the box, on all sides but two.
+    side of the box, which is that of all meshes drawn together, on all sides but two.
 
     Args:
         rest: (N, 3) vertices at rest [m].
@@ -221,7 +221,7 @@ def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
     corners = faces.astype(np.int64) * 3 + side[:, None]
     kept, index = np.unique(corners, return_inverse=True)
     source = kept // 3
-    longest = int(np.ptp(rest, axis=0).argmax())
+    longest = int(np.ptp(rest, axis=0).argmax()) if len(rest) else 0
     planes = np.where(_PLANES[:, 1:] == longest, _PLANES[:, ::-1], _PLANES)
     uv = np.take_along_axis(rest[source], planes[kept % 3], axis=1)
     new_faces = index.reshape(faces.shape).astype(np.uint32)

@@ -121,7 +121,7 @@ CREASED = "weave"
 """Pattern of cloth, on which creases lie that are wider than the pattern."""
 
 CREASE_TILE, CREASE_SLOPE = 0.8, 0.14
-"""Size of a tile of creases [m], and the deviation of their slopes."""
+"""Size of a tile of creases [m], and the deviation of their slopes along its rows."""
 
 
 class GroundShader:

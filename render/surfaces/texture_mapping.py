@@ -138,7 +138,7 @@ def patch_mipmap() -> Mipmap:
 
 @lru_cache(maxsize=1)
 def crease_mipmap() -> Mipmap:
-    """Return the mipmap of creases of cloth; its slopes have a deviation of 1."""
+    """Return the mipmap of creases of cloth; its slopes along the rows have a deviation of 1."""
     relief = creases()
     return _plain_mipmap(np.ones_like(relief), relief)
 

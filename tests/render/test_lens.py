@@ -145,6 +145,11 @@ def test_pixels_are_soft_where_a_circle_of_confusion_reaches(renderer: Renderer)
     assert max(half[beyond > 0.5].max(), quarter[beyond > 0.5].max()) == 0.0
     assert (half >= quarter).all()
     assert half[beyond < -4].min() > 0.4
+    assert half.max() > 0.0 == quarter.max()
+    wide = replace(shot.camera, lens=Lens(4.0 * RADIUS, FOCUS))
+    near = renderer.scene_for(shot).lens_blur(wide)
+    assert near is not None
+    assert near.coarse[1].max() > 0.5
     pinhole = seen_through(None, 1.0)
     assert renderer.scene_for(pinhole).lens_blur(pinhole.camera) is None
 

@@ -185,8 +185,8 @@ class House(Facade):
             if opening.kind == "window":
                 hung = dressing(float(self.rng.uniform()), self.rng, wide, tall)
                 # Light from within shines through it.
-                lit = "" if pane == "pane" else "lit "
-                boxes += [box._replace(material=lit + box.material) for box in hung]
+                light = pane.removesuffix("pane")
+                boxes += [box._replace(material=light + box.material) for box in hung]
             for material, (along, over, before), size in boxes:
                 at = (middle + along, foot + opening.low + over, before)
                 self.add(material, at, size)

@@ -62,7 +62,11 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     # By day one does not see that somebody is at home.
     "lit pane": PANE,
     "dim pane": PANE,
-    **{f"{lit}{name}": _behind_glass(c) for lit in ("", "lit ") for name, c in DRESSINGS.items()},
+    **{
+        f"{light}{name}": _behind_glass(color)
+        for light in ("", "lit ", "dim ")
+        for name, color in DRESSINGS.items()
+    },
     "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }
@@ -71,9 +75,16 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
 AFTER_DARK: Mapping[str, Material] = {
     "lit pane": _glowing("#ffa955", 1.2),
     "dim pane": _glowing("#ff8f3c", 0.5),
-    "lit curtain": _glowing("#d9722e", 0.3),
-    "lit blind": _glowing("#e08a44", 0.34),
-    "lit net": _glowing("#e8a468", 0.5),
+    **{
+        f"{light}{name}": _glowing(color, share * glow)
+        for light, glow in (("lit ", 1.0), ("dim ", 0.42))
+        for name, color, share in (
+            ("curtain", "#d9722e", 0.3),
+            ("blind", "#e08a44", 0.34),
+            ("net", "#e8a468", 0.5),
+        )
+    },
     "lantern glass": _glowing("#ffc27a", 1.5),
 }
-"""Those that glow when the sun is down, from behind curtains, and in the lanterns of the street."""
+"""Those that glow when the sun is down: panes, what hangs before the light behind them, and the
+lanterns of the street."""

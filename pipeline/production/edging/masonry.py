@@ -79,23 +79,27 @@ def wall_stone(seed: int, across: int) -> Prototype:
     return shape.prototype()
 
 
-RIBS, LANTERN_SIDES = 9, 20
-"""Hoops of wire in a paper lantern, and its sides."""
+GAPS, LANTERN_SIDES = 9, 20
+"""Gaps between the hoops of wire in a paper lantern, and its sides."""
 
 
 @lru_cache(maxsize=1)
 def lantern() -> Prototype:
     """Return a white paper lantern of unit width around the origin, between caps of wood."""
-    up = np.linspace(-0.46, 0.46, 5 * RIBS)[:, None]
-    hoop = np.abs(np.sin(np.pi * RIBS * (up / 0.92 + 0.5)))
+    up = np.linspace(-0.46, 0.46, 4 * GAPS + 1)[:, None]
+    sag = np.abs(np.sin(np.pi * GAPS * (up / 0.92 + 0.5)))
     around = np.linspace(0.0, 2.0 * np.pi, LANTERN_SIDES, endpoint=False)
     # Paper sags inward between the hoops, and is darker where it is folded over them.
-    radius = np.sqrt(0.25 - up * up) * (1.0 - 0.05 * hoop)
-    shade = (0.55 + 0.35 * smoothstep(0.1, 0.6, hoop)) * (0.8 + 0.2 * smoothstep(-0.5, 0.3, up))
+    radius = np.sqrt(0.25 - up * up) * (1.0 - 0.05 * sag)
+    shade = (0.55 + 0.35 * smoothstep(0.1, 0.6, sag)) * (0.8 + 0.2 * smoothstep(-0.5, 0.3, up))
     shape = Shape()
     add_rings(shape, turned_rings(radius, up, around), shade[..., None] * np.ones(3), thin=True)
     for level in (-0.47, 0.47):
-        cap = np.array([[0.0, 0.045], [0.2, 0.045], [0.2, -0.045], [0.0, -0.045]])
-        rings = turned_rings(cap[::-1, :1], level + cap[::-1, 1:], around)
-        add_rings(shape, rings, np.array([0.12, 0.09, 0.06]))
+        wood = np.array([0.12, 0.09, 0.06])
+        rim = np.array([[-0.045], [0.045]])
+        add_rings(shape, turned_rings(np.full((2, 1), 0.2), level + rim, around), wood)
+        # Its outer face; the other lies within the paper.
+        outward = 0.045 if level > 0.0 else -0.045
+        disc = turned_rings(np.array([[0.002], [0.2]]), np.full((2, 1), level + outward), around)
+        add_rings(shape, disc[:: 1 if level > 0.0 else -1], wood, upward=True)
     return shape.prototype()

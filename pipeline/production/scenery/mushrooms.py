@@ -24,10 +24,10 @@ class Kind:
     """A kind of mushroom; lengths are in radii of the cap.
 
     Attributes:
-        cap: linear colour of the cap, at its middle.
-        rim: of its rim.
-        gills: below the cap.
-        stem: of the stem.
+        cap: linear colour of the middle of the cap.
+        rim: colour of its rim.
+        gills: colour of the gills.
+        stem: colour of the stem.
         height: of a grown one, to the middle of its cap.
         dome: height of a young cap; an old one is a third of it.
         stout: radius of the stem.
@@ -84,7 +84,7 @@ def mushroom(seed: int, level: int) -> Prototype:
         out = np.array([np.cos(angle), 0.0, np.sin(angle)])
         at = out * 0.028 * np.sqrt(k) * rng.uniform(1.0, 1.9)
         lean = unit(np.array([0.0, 1.0, 0.0]) + out * rng.uniform(0.0, 0.25) * (k > 0))
-        # Of its own: levels of detail draw unlike numbers, and all their mushrooms are alike.
+        # Each has its own generator, because levels of detail draw different numbers of values.
         one = np.random.default_rng([seed, 47, k])
         _add_one(shape, kind, age, (at, lean), (one, level))
     return shape.prototype()

@@ -358,8 +358,7 @@ def add_rings(
         shape: to which it is added.
         places: (R, S, 3) of R rings that go around the vertical from X to Z [m].
         colors: linear, of a shape that broadcasts to it.
-        upward: whether it is seen from above where its rings grow, else from outside where they
-            rise.
+        upward: whether it faces up where radii increase, else outward where heights increase.
         thin: whether light shines through.
     """
     rings, sides, _ = places.shape
@@ -367,4 +366,6 @@ def add_rings(
     about = np.roll(places, -1, axis=1) - np.roll(places, 1, axis=1)
     normals = np.cross(about, along) if upward else np.cross(along, about)
     faces = band_faces(sides)[None] + sides * np.arange(rings - 1)[:, None, None]
+    if not upward:
+        faces = faces[..., ::-1]
     shape.add(places, normals, colors, faces, thin=thin)

@@ -11,8 +11,14 @@ from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.cords import APART, PENNANT_SAG, pennant, pennants
 from pipeline.production.edging.facade import RAILED, WINDOWS
 from pipeline.production.edging.house import House
+from pipeline.production.edging.house_materials import (
+    AFTER_DARK,
+    DRESSINGS,
+    MATERIALS_OF_HOUSES,
+)
 from pipeline.production.edging.stall import Stall
 from pipeline.production.scenery.stones import KINDS, stone
+from render.color import linear, luminance
 
 
 def house(**others: Any) -> dict[str, np.ndarray]:
@@ -82,3 +88,14 @@ def test_kinds_of_stone_differ_in_tone_and_height() -> None:
     tones = [float(shape.colors.mean()) for shape in shapes]
     assert np.ptp(tones) > 0.03
     assert all(0.2 < np.ptp(shape.vertices[:, 1]) < 1.8 for shape in shapes)
+
+
+def test_no_curtain_outshines_the_light_behind_it() -> None:
+    def shown(name: str) -> float:
+        return float(luminance(linear(AFTER_DARK[name].color))) * AFTER_DARK[name].glow
+
+    for name, by_night in AFTER_DARK.items():
+        assert by_night.glow > 0.0 == MATERIALS_OF_HOUSES[name].glow
+    for light in ("lit", "dim"):
+        for hung in DRESSINGS:
+            assert shown(f"{light} {hung}") < 0.7 * shown(f"{light} pane")

@@ -70,7 +70,6 @@ def behaviours_of(configs: Sequence[spec.Urge], mind: Mind) -> dict[str, Behavio
 
 
 @cache
-@cache
 def behaviour_number(name: str) -> int:
     """Return the number of a behaviour in takes by its name, -1 for none."""
     stem = name.split(" ")[0]

@@ -16,6 +16,7 @@ import numpy as np
 
 from pipeline.simulation.characters.barriers import free_way
 from pipeline.simulation.characters.neighbours import Numbers, find_within, insert_nearest
+from pipeline.simulation.characters.passage_lanes import way_in_lane
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
@@ -144,6 +145,11 @@ def _best_direction(
         for k in range(len(TURNS)):
             size = max(ways[2, k], 1e-9)
             free = free_way(person, solids, wall, ways[0, k] / size, ways[1, k] / size, farthest)
+            ways[3, k] = min(ways[3, k], free)
+    if person.lane_room < math.inf:
+        for k in range(len(TURNS)):
+            size = max(ways[2, k], 1e-9)
+            free = way_in_lane(person, ways[0, k] / size, ways[1, k] / size, farthest)
             ways[3, k] = min(ways[3, k], free)
     for m in seen:
         other = persons[m]

@@ -19,12 +19,14 @@ from pipeline.simulation.spatial import Array
 
 NARROWEST, WIDEST = 1.4, 8.0  # opening with two lanes; with room enough without them [m]
 LANE_RANGE = 9.0  # before an opening, in which walkers take their lane [m]
-LANE_END = 3.5  # behind it, in which they keep it [m]
+LANE_END, FADING = 4.0, 2.0  # behind it, in which they keep it, at last less and less [m]
 ROUND_WALL = 1.5  # distance of a place at the end of a wall, before or beside the opening [m]
 SEEN_BEFORE = 10.0  # distance at which others that come the other way are seen [m]
 MIDDLE_ROOM, WALL_ROOM = 0.3, 0.5  # of a walker's middle to that of the opening, to a wall [m]
 READY = 2.0  # distance before the opening at which a walker is in its lane [m]
 LEAST_RUN = 0.4  # along the way, in which it gets into it [m]
+NEARLY = 0.5  # distance from its lane at which it goes on all the same [m]
+MOST_BACK = -0.5  # way back, to get into it in front of those who come out [m]
 MANY = 3  # who come the other way, for whom a walker keeps wholly to its lane
 CLOSEST_STEPS = 3  # of the search for the places at which two walls are nearest
 TURN_TIME = 0.8  # within which the middle is not passed [s]
@@ -178,13 +180,14 @@ def _turned_to_lane(
     high = max(0.5 * width - WALL_ROOM, low)
     # Behind the opening it may go farther to the right.
     wanted = max(aside, low) if left < 0.0 else min(max(aside, low), high)
-    run = max(left - READY, LEAST_RUN)
+    run = left - READY - max(low - aside, 0.0)
+    run = max(run, LEAST_RUN if aside > low - NEARLY or left < 0.0 else MOST_BACK)
     lane_x = run * tx + (wanted - aside) * right_x
     lane_z = run * tz + (wanted - aside) * right_z
     size = max(hypotenuse(lane_x, lane_z), 1e-9)
     if left < 0.0:
         # It turns to its goal as soon as it is through.
-        share *= max(1.0 + left / LANE_END, 0.0)
+        share *= min(max((LANE_END + left) / FADING, 0.0), 1.0)
     x += share * (speed * lane_x / size - x)
     z += share * (speed * lane_z / size - z)
     person.lane_right[0], person.lane_right[1] = right_x, right_z

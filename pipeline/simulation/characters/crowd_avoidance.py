@@ -6,7 +6,8 @@ walker makes all of it. Within all half planes, the velocity nearest to the want
 a throng where there is none, it keeps clear of their bodies and offends least against the space
 around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
 walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
-step aside; they pass one another the more slowly the closer, and heed walls. Others are visited in
+step aside; they pass one another the more slowly the closer, heed walls, and keep to the right in
+openings that others come through. Others are visited in
 order along x, so that a crowd costs little more than a few. Walkers look at others in turns, a few
 of them in each step, and keep to what they chose in between.
 

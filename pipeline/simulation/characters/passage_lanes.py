@@ -5,8 +5,8 @@ width. So a walker that will meet others between two walls aims at the right hal
 already at some distance, and does not go beyond its middle before it is through: those who come out
 find their half free, in front of the opening as well. Who comes from the left waits farther off.
 
-Source: Helbing, Molnár, Farkas and Bolay 2001: two doors, each of which one stream comes to use, let
-more people through than one that both share.
+Source: Helbing, Molnár, Farkas, Bolay 2001: of two doors each comes to serve one stream, and they
+let more people through than one that both share.
 """
 
 from __future__ import annotations

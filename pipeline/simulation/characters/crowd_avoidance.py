@@ -7,9 +7,9 @@ a throng where there is none, it keeps clear of their bodies and offends least a
 around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
 walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
 step aside; they pass one another the more slowly the closer, heed walls, and keep to the right in
-openings that others come through. Others are visited in
-order along x, so that a crowd costs little more than a few. Walkers look at others in turns, a few
-of them in each step, and keep to what they chose in between.
+openings that others come through. Others are visited in order along x, so that a crowd costs little
+more than a few. Walkers look at others in turns, a few of them in each step, and keep to what they
+chose in between.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.

@@ -42,6 +42,7 @@ INSET = 0.01  # of the place at which a solid is met from its top and bottom [m]
 WALL_SPACE = 0.17  # of the middle of a body, in heights
 WALL_TIME = 0.6  # within which no wall is met [s]
 PASSAGE_RANGE = 4.0  # of walls between which walkers go one after the other [m]
+PASSAGE_SIGHT = 12.0  # distance of walls up to which an opening between them is seen [m]
 STEEP_COSINE = 0.7  # of the least angle to the level of a face that stops a body
 
 
@@ -123,6 +124,15 @@ def forbid_wall(person: Record, solids: Solids, s: int, line: Array) -> bool:
     line[0], line[1] = away * x, away * z
     line[2], line[3] = z, -x
     return True
+
+
+@compiled
+def nearest_place(person: Record, solids: Solids, s: int, at: Vector) -> tuple[bool, Vector]:
+    """Return whether a wall is near a place, at a person's height, and its place nearest to it."""
+    from_place = _place_beside(person, solids.bodies[s])
+    from_place = (at[0], from_place[1], at[2])
+    gap, normal = signed_distance(solids, s, from_place, PASSAGE_SIGHT)
+    return 0.0 < gap < PASSAGE_SIGHT, minus(from_place, times(gap, normal))
 
 
 @compiled

@@ -121,7 +121,7 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
             person.stepping = True
             # Due when the clock has gone on.
             person.phase = (1.0 - 1e-9 - 0.5 * first) % 1.0
-    advance = _clock_rate(person, rate) * dt
+    advance = _clock_advance(person, rate * dt)
     if person.stepping:
         person.phase = (person.phase + advance) % 1.0
     for k in range(2):
@@ -137,14 +137,18 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
 
 
 @compiled
-def _clock_rate(person: Record, rate: float) -> float:
-    """Return the rate of the clock of steps, of a gait at a rate [1/s].
+def _clock_advance(person: Record, advance: float) -> float:
+    """Return how far the clock of steps goes on, which in a steady gait does by `advance` [cycles].
 
-    A foot that a stagger leaves behind is lifted as soon as the other one has landed.
+    A foot that a stagger leaves behind is lifted as soon as the other one has landed, and swings
+    from there on at the usual rate: at once in mid-swing, it would start with a jerk.
     """
     bears_on_both = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE
-    is_behind = staggers(person) and foot_lag(person) > 0.0
-    return CATCHING_UP * rate if bears_on_both and is_behind else rate
+    if not bears_on_both or not staggers(person) or foot_lag(person) <= 0.0:
+        return advance
+    left = 1.0 - max(leg_phase(person, 0), leg_phase(person, 1))
+    hurried = min(CATCHING_UP * advance, left)
+    return hurried + advance - hurried / CATCHING_UP
 
 
 @compiled

@@ -6,9 +6,10 @@ walker makes all of it. Within all half planes, the velocity nearest to the want
 a throng where there is none, it keeps clear of their bodies and offends least against the space
 around them. Who gets no further squeezes through, for whom standing people make way. In a crowd
 walkers keep a headway, or their feet would strike the legs of those ahead, and brake rather than
-step aside; they pass one another the more slowly the closer, and heed walls. Others are visited in
-order along x, so that a crowd costs little more than a few. Walkers look at others in turns, a few
-of them in each step, and keep to what they chose in between.
+step aside; they pass one another the more slowly the closer, heed walls, and keep to the right in
+openings that others come through. Others are visited in order along x, so that a crowd costs little
+more than a few. Walkers look at others in turns, a few of them in each step, and keep to what they
+chose in between.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4.
@@ -29,7 +30,6 @@ from pipeline.simulation.characters.barriers import (
 )
 from pipeline.simulation.characters.gap_choice import (
     MOST_SEEN,
-    SIGHT,
     expected_velocity,
     head_for_gap,
 )
@@ -43,6 +43,7 @@ from pipeline.simulation.characters.neighbours import (
     order_along_x,
     places_in_order,
 )
+from pipeline.simulation.characters.passage_lanes import forbid_other_lane, take_lane
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.right_of_way import (
@@ -75,6 +76,7 @@ STANDING_HORIZON = 1.2  # of a walker in a crowd that is held up, for people who
 SQUEEZING_HORIZON = 1.2  # of one that squeezes through: with more it stops far before a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
+WALL_SIGHT = 9.0  # of walls, between which it sees openings [m]
 COMPANION_SPACE = 0.4  # of those who walk together
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
@@ -108,8 +110,8 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
     seen = np.zeros(MOST_SEEN, dtype=np.int64)
     barriers = np.zeros(MOST_BARRIERS, dtype=np.int64)
     # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
-    lines = np.zeros((MOST_BARRIERS + 2 * MOST_NEIGHBOURS, 4))
-    projected = np.zeros((MOST_BARRIERS + 2 * MOST_NEIGHBOURS, 4))
+    lines = np.zeros((MOST_BARRIERS + 1 + 2 * MOST_NEIGHBOURS, 4))
+    projected = np.zeros((MOST_BARRIERS + 1 + 2 * MOST_NEIGHBOURS, 4))
     for n in range(len(order)):
         person = persons[order[n]]
         person.looked = (person.looked + 1) % LOOK_INTERVAL
@@ -165,6 +167,9 @@ def _choose_sidestep(
     found = 0
     if count > 0:
         found = _find_walls(owners, person, solids, barriers, wanted_x, wanted_z)
+        wanted_x, wanted_z = take_lane(
+            persons, places, order, n, near, barriers[:found], solids, wanted_x, wanted_z
+        )
     x, z, in_crowd = head_for_gap(
         persons, places, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
     )
@@ -175,6 +180,8 @@ def _choose_sidestep(
         for k in range(found):
             if forbid_wall(person, solids, barriers[k], lines[walls]):
                 walls += 1
+        if forbid_other_lane(person, lines[walls]):
+            walls += 1
         limit = QUICKEST * person.pace
         free_x, free_z = allowed_velocity(lines, projected, walls, 0, limit, wanted_x, wanted_z)
         _forbid_people(persons, person, nearest, in_crowd, x, z, lines[walls:])
@@ -191,7 +198,7 @@ def _find_walls(
     owners: Records, person: Record, solids: Solids, barriers: Numbers, x: float, z: float
 ) -> int:
     """Write the numbers of the walls beside a walker that goes along x and z; return how many."""
-    found = find_barriers(person, owners[person.owner].mass, solids, SIGHT, barriers)
+    found = find_barriers(person, owners[person.owner].mass, solids, WALL_SIGHT, barriers)
     if found > 0:
         note_passage(person, solids, barriers[0], x, z)
     return found

@@ -16,6 +16,7 @@ import numpy as np
 
 from pipeline.simulation.characters.barriers import free_way
 from pipeline.simulation.characters.neighbours import Numbers, find_within, insert_nearest
+from pipeline.simulation.characters.passage_lanes import way_in_lane
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.walking_group import (
     detour_of_group,
@@ -134,17 +135,7 @@ def _best_direction(
     farthest: float,
 ) -> float:
     """Return the turn from the way to the goal that leads nearest to it [rad]."""
-    # Velocity along x and z, its size, and the free way, each of all directions.
-    ways = np.empty((4, len(TURNS)))
-    for k in range(len(TURNS)):
-        c, s = TURN_COSINES[k], TURN_SINES[k]
-        ways[0, k], ways[1, k] = c * x - s * z, s * x + c * z
-        ways[2, k], ways[3, k] = hypotenuse(ways[0, k], ways[1, k]), farthest
-    for wall in walls:
-        for k in range(len(TURNS)):
-            size = max(ways[2, k], 1e-9)
-            free = free_way(person, solids, wall, ways[0, k] / size, ways[1, k] / size, farthest)
-            ways[3, k] = min(ways[3, k], free)
+    ways = _ways_between_walls(person, walls, solids, x, z, farthest)
     for m in seen:
         other = persons[m]
         x_off, z_off, room = _room_before(person, other)
@@ -161,6 +152,26 @@ def _best_direction(
         if cost < cheapest:
             best, cheapest = TURNS[k], cost
     return best
+
+
+@allocating
+def _ways_between_walls(
+    person: Record, walls: Numbers, solids: Solids, x: float, z: float, farthest: float
+) -> Array:
+    """Return (4, K) of all directions: velocity along x and z, its size, and the free way."""
+    ways = np.empty((4, len(TURNS)))
+    for k in range(len(TURNS)):
+        c, s = TURN_COSINES[k], TURN_SINES[k]
+        ways[0, k], ways[1, k] = c * x - s * z, s * x + c * z
+        ways[2, k], ways[3, k] = hypotenuse(ways[0, k], ways[1, k]), farthest
+    for k in range(len(TURNS)):
+        size = max(ways[2, k], 1e-9)
+        x_ahead, z_ahead = ways[0, k] / size, ways[1, k] / size
+        ways[3, k] = way_in_lane(person, x_ahead, z_ahead, farthest)
+        for wall in walls:
+            free = free_way(person, solids, wall, x_ahead, z_ahead, farthest)
+            ways[3, k] = min(ways[3, k], free)
+    return ways
 
 
 @inlined

@@ -159,6 +159,10 @@ PERSON = np.dtype(
         # Whether walls are near that it passes, and how far ahead along its way the nearest is [m].
         ("has_passage", "?"),
         ("passage", "f8"),
+        # Unit vector to the right of its way through an opening that others come through, and how
+        # far it may go to the left of it; ∞ where there is none [m].
+        ("lane_right", "f8", 2),
+        ("lane_room", "f8"),
         # How much it squeezes through where it gets no further, 0 to 1.
         ("impatience", "f8"),
         # By how much others, rather than walls, change its velocity [m/s].

@@ -12,7 +12,7 @@ from pipeline.simulation.characters import character_plans
 from pipeline.simulation.characters.biped_gait import _step_progress
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.gait_timing import duty_factor, stride_rate
-from pipeline.simulation.characters.person_record import FOOT, HIP, KNEE, PERSON
+from pipeline.simulation.characters.person_record import FOOT, HIP, KNEE, PERSON, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Records, entry
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.people.proportions import ADULT, CHILD
@@ -219,6 +219,34 @@ def test_a_knee_that_has_made_room_comes_back_slowly() -> None:
         turn = np.arcsin(np.clip(sine, -1.0, 1.0))
         assert turn.max() > math.radians(20.0)
         assert np.diff(turn).min() * STEPS > -5.0
+
+
+def test_a_foot_that_is_left_behind_starts_its_swing_from_rest() -> None:
+    """The clock that hurries to its turn would start it in mid-swing, with a jerk."""
+    pushes = np.array([[1.2, 0.0], [-1.2, 0.0], [0.0, 1.2], [-1.0, 0.4], [1.4, -0.6], [-0.9, 0.9]])
+
+    def shove(troupe: Characters, step: int) -> None:
+        nodes, persons, dt = troupe.arrays.nodes, troupe.persons, troupe.world.clock.dt
+        for k, first in enumerate(persons["node"]):
+            if step == 48 + 3 * k:
+                persons["velocity"][k], persons["stun"][k] = pushes[k], 0.6
+                own = slice(first, first + 16)
+                nodes["previous"][own, 0] -= pushes[k, 0] * dt / troupe.count
+                nodes["previous"][own, 2] -= pushes[k, 1] * dt / troupe.count
+
+    cast = "".join(
+        f"  - {{name: p{k}, character: child, at: [0, {4 * k - 10}]}}\n" for k in range(len(pushes))
+    )
+    play = play_scene(f"duration: 2\ncast:\n{cast}", shove)
+    hurried = 0
+    for k in range(len(pushes)):
+        state, phase = play.records["foot_state"][:, k], play.records["phase"][:, k]
+        turned = np.diff(phase) % 1.0
+        hurried += int(((turned > 0.04) & (turned < 0.2)).sum())
+        for side in range(2):
+            lifts = (state[1:, side] == SWING) & (state[:-1, side] == STANCE)
+            assert np.all((phase[1:][lifts] + 0.5 * side) % 1.0 < 0.025)
+    assert hurried > 0
 
 
 def test_joints_never_bend_backwards() -> None:

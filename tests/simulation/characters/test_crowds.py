@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.crossing import cross
+from benchmarks.crossing import Watch, cross, scene_text
 from pipeline.simulation.characters import arm_clearance, half_planes, headway, right_of_way
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.crowd_avoidance import (
@@ -33,7 +33,7 @@ from pipeline.simulation.characters.right_of_way import (
     lag_at_passage,
 )
 from pipeline.simulation.dynamics.record_array import zero_records
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 from tests.simulation.characters.scripted_people import STEPS, play_scene
@@ -294,6 +294,41 @@ script:
 def test_two_groups_cross_without_a_blow(kind: str, seed: int) -> None:
     out = cross(kind, 25, seed)
     assert out.is_good, out.text()
+
+
+def passing_sides(size: int, duration: float) -> tuple[Watch, list[float]]:
+    """Return a crossing of a gate, and how far to the right of its middle each person passed [m].
+
+    Args:
+        size: of each of the two groups.
+        duration: watched [s].
+    """
+    watch = Watch(Simulation(read_scene(scene_text("gate", size, 1))), 2 * size)
+    ahead = np.repeat([1.0, -1.0], size)
+    sides: list[float] = []
+    before = ahead * watch.troupe.persons["at"][:, 0]
+    while watch.simulation.step_number * watch.dt < duration:
+        watch.step()
+        at = watch.troupe.persons["at"]
+        passed = (before < 0.0) & (ahead * at[:, 0] >= 0.0)
+        sides += (ahead * at[:, 1])[passed].tolist()
+        before = ahead * at[:, 0]
+    return watch, sides
+
+
+def test_who_meets_others_in_an_opening_keeps_to_its_right_half() -> None:
+    watch, sides = passing_sides(4, 6.5)
+    assert len(sides) == 8
+    assert min(sides) > 0.0
+    assert not watch.outcome.hurt
+
+
+@pytest.mark.nightly
+def test_a_hundred_people_pass_a_gate_both_ways_without_a_jam() -> None:
+    watch, sides = passing_sides(50, 30.0)
+    assert len(sides) == 100
+    assert min(sides) > -0.2
+    assert not watch.outcome.hurt + watch.outcome.dazed
 
 
 def test_the_one_nearer_to_the_crossing_of_two_ways_goes_first() -> None:

@@ -58,7 +58,7 @@ def patches(size: int = 512) -> Plane:
 
 
 def creases(size: int = 1024) -> Plane:
-    """Return a (size, size) relief of worn cloth; its slopes along the rows deviate by 1 per tile."""
+    """Return a (size, size) relief of worn cloth; slopes along its rows have a deviation of 1."""
     rng = np.random.default_rng(_SEED + 3)
     relief = np.zeros((size, size), np.float32)
     # Unlike ones: two that cross evenly are a quilt.

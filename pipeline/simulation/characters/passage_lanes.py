@@ -28,7 +28,7 @@ ROUND_WALL = 1.5  # from an opening to the places on ways around its walls [m]
 AT_WALL = 0.2  # from the edge of an opening to where ways go through it [m]
 SEEN_BEFORE = 10.0  # distance at which others that come the other way are seen [m]
 OPPOSITE = 0.5  # cosine of the angle between their way and the opposite of one's own
-FEW, MANY = 2, 4  # who come the other way, for whom a walker keeps to no lane; wholly to it
+MANY = 3  # who come the other way, for whom a walker keeps wholly to its lane
 MIDDLE_ROOM, WALL_ROOM = 0.3, 0.5  # of a walker's middle to that of the opening, to a wall [m]
 KEPT = 0.5  # of the former, that a walker in its lane keeps
 READY = 2.0  # distance before the opening at which a walker is in its lane [m]
@@ -167,7 +167,7 @@ def _met_share(
         is_ahead = x * opening.ahead_x + z * opening.ahead_z > 0.0
         if is_ahead and along < -OPPOSITE * hypotenuse(to_x, to_z):
             count += 1
-    return min(max((count - FEW) / (MANY - FEW), 0.0), 1.0)
+    return min(count / MANY, 1.0)
 
 
 @inlined

@@ -180,7 +180,8 @@ def _group(
         # Ground is at rest where it stands.
         grouped = [meshes[i] for i in members]
         rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in grouped]
-        unwrapped = unwrap(np.concatenate(rest), faces)
+        longest = np.repeat([_longest_axis(part) for part in rest], [len(part) for part in rest])
+        unwrapped = unwrap(np.concatenate(rest), faces, longest)
     cover = [mesh.cover for mesh in (meshes[i] for i in members) if mesh.cover is not None]
     return MeshGroup(
         members,
@@ -204,26 +205,34 @@ def _joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
-def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
+def _longest_axis(rest: NDArray[np.float32]) -> int:
+    """Return the axis along which vertices (N, 3) reach farthest."""
+    return int(np.ptp(rest, axis=0).argmax()) if len(rest) else 0
+
+
+def unwrap(
+    rest: NDArray[np.float32], faces: NDArray[np.uint32], longest: NDArray[np.intp]
+) -> Unwrapped:
     """Return a surface with texture coordinates from six sides of the box around it at rest.
 
     Every triangle is projected along the axis that it faces, which stretches no pattern by more
     than the square root of three. Where two sides meet, vertices are doubled; the doubles keep
     one normal, so that the seam is in the pattern alone. Rows of a pattern run along the longest
-    side of the box, which is that of all meshes drawn together, on all sides but two.
+    side of a body on all of its sides but two.
 
     Args:
         rest: (N, 3) vertices at rest [m].
         faces: (F, 3).
+        longest: (N,) axis of the longest side of the body of each vertex.
     """
     a, b, c = (rest[faces[:, i]].astype(float) for i in range(3))
     side = np.abs(np.cross(b - a, c - a)).argmax(axis=1)
     corners = faces.astype(np.int64) * 3 + side[:, None]
     kept, index = np.unique(corners, return_inverse=True)
     source = kept // 3
-    longest = int(np.ptp(rest, axis=0).argmax()) if len(rest) else 0
-    planes = np.where(_PLANES[:, 1:] == longest, _PLANES[:, ::-1], _PLANES)
-    uv = np.take_along_axis(rest[source], planes[kept % 3], axis=1)
+    planes = _PLANES[kept % 3]
+    planes = np.where(planes[:, 1:] == longest[source, None], planes[:, ::-1], planes)
+    uv = np.take_along_axis(rest[source], planes, axis=1)
     new_faces = index.reshape(faces.shape).astype(np.uint32)
     return Unwrapped(source.astype(np.uint32), new_faces, uv.astype(np.float32))
 

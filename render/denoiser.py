@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from render.config.film import Denoise
 from render.errors import DenoiseError
 from render.frame import Image, LensBlur, LightLayers
-from render.resizing import double_size, half_size
+from render.image_resizing import double_size, half_size
 from render.shadow_smoothing import smooth_shadows
 
 THREADS = 2

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from render.color import CURVE_SAMPLES, LUMINANCE, curve, curve_index, inset, outset
 from render.config.look import PLAIN, Look
+from render.image_resizing import half_size
 from render.lettering import Lettering, lettered
-from render.resizing import half_size
 from render.shadow_fill import fill_stops
 
 Integer = TypeVar("Integer", np.uint8, np.uint16)

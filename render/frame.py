@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.development import Development, developed
+from render.image_resizing import double_size
 from render.passes.pass_images import PassImages
-from render.resizing import double_size
 
 Image = NDArray[np.float32]
 

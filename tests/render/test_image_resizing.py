@@ -7,7 +7,7 @@ import pytest
 
 from render.denoiser import Denoiser
 from render.frame import LensBlur
-from render.resizing import double_size, half_size
+from render.image_resizing import double_size, half_size
 
 
 @pytest.mark.parametrize("size", [(6, 8), (5, 7), (1, 4), (1, 1)])

@@ -78,12 +78,14 @@ class WaterSurface:
         waves: by length, the shortest first; empty for a mirror.
         extinction: by colour [1/m].
         albedo: share of light that deep water sends back, by colour.
+        surf: share of the surface that the foam of breakers hides where it is thick.
     """
 
     level: float
     waves: tuple[Wave, ...]
     extinction: tuple[float, float, float]
     albedo: tuple[float, float, float]
+    surf: float = 0.0
 
     @staticmethod
     def of(water: Water) -> WaterSurface:
@@ -95,7 +97,8 @@ class WaterSurface:
         r, g, b = extinction.tolist()
         albedo = (_BACKSCATTER * color).tolist()
         waves = travelling_waves(water.waves, water.heading_deg)
-        return WaterSurface(water.level, waves, (r, g, b), (albedo[0], albedo[1], albedo[2]))
+        sent_back = (albedo[0], albedo[1], albedo[2])
+        return WaterSurface(water.level, waves, (r, g, b), sent_back, water.surf)
 
 
 def travelling_waves(strength: float, heading_deg: float) -> tuple[Wave, ...]:

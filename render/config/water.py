@@ -26,7 +26,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "pond": {"waves": "calm", "clarity": 1.6, "color": "#3c4a24"},
     "lake": {"waves": "ripples", "clarity": 5.0, "color": "#24565a"},
     "river": {"waves": "breeze", "clarity": 2.2, "color": "#4d5a3c"},
-    "sea": {"waves": "breeze", "clarity": 9.0, "color": "#1c5568"},
+    "sea": {"waves": "breeze", "clarity": 9.0, "color": "#1c5568", "surf": 0.85},
     "lagoon": {"waves": "ripples", "clarity": 16.0, "color": "#2c8f96"},
 }
 
@@ -44,6 +44,9 @@ class Water(PresetModel):
     )
     heading_deg: Angle = Field(
         20.0, description="Heading in which the waves travel; 0 is +X [degrees]."
+    )
+    surf: Unit = Field(
+        0.0, description="How white waves break where the bottom rises to a shore, 0 to 1."
     )
     clarity: float = Field(
         5.0,

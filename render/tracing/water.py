@@ -59,6 +59,19 @@ the share that is left in patches beside steeper ground."""
 _FOAM_CELLS = (0.31, 0.083)
 """Widths of patches and of bubbles of foam [m]."""
 
+_BREAKER_DEPTH, _BREAKER_WANDER = 0.42, 0.8
+"""Difference in depth between two lines of breakers [m], and how far they wander, in lines."""
+
+_BREAKER_SPAN, _BREAKER_CREST, _BREAKER_TRAIL = 3.2, 0.09, 0.75
+"""Depth from which waves break, in lines; width of the crest of foam, and of what it leaves behind,
+in lines."""
+
+_BREAKER_LENGTHS = (8.0, 3.1)
+"""Lengths of the bends and of the gaps of a line of breakers [m]."""
+
+_BREAKER_PERIOD = 5.2
+"""Time from one breaker to the next [s]."""
+
 _SHAFT_STEPS, _SHAFT_REACH, _SHAFT_WIDTH, _SHAFT_DEPTH = 9, 11.0, 0.8, 4.0
 """Number of places along a ray at which shafts of light are looked at, how far the last is, how
 wide shafts are, and the depth at which 1/e of them is left [m]."""
@@ -114,6 +127,8 @@ class Water:
         foam: radiance of foam on the surface.
         foam_depth: depth up to which foam lies [m].
         foam_most: share of the surface that foam hides where it is thick.
+        surf: share that the foam of breakers hides where it is thick.
+        breaking: time since a line of breakers began, in their period.
         pixel: width of a pixel at a distance of 1 m [m].
         mean_focus: mean of the light pattern at some depths, by which it is divided.
         shafts: unit vector under water towards the key light whose shafts a camera below the
@@ -128,6 +143,8 @@ class Water:
     foam: mi.Color3f
     foam_depth: mi.Float
     foam_most: mi.Float
+    surf: mi.Float
+    breaking: mi.Float
     pixel: mi.Float
     mean_focus: tuple[float, ...]
     shafts: mi.Vector3f | None = None
@@ -154,17 +171,20 @@ class Water:
             mi.Color3f(foam.tolist()),
             mi.Float(_FOAM_CALM + _FOAM_PER_HEIGHT * height),
             mi.Float(min(_SHARE_PER_HEIGHT * max(height - _FOAM_FROM, 0.0), _FOAM_MOST)),
+            mi.Float(surface.surf),
+            mi.Float(0.0),
             mi.Float(1e-3),
             _mean_focus(waves),
         )
         dr.make_opaque(made.level, made.extinction, made.glow, made.pixel)
-        dr.make_opaque(made.foam, made.foam_depth, made.foam_most)
+        dr.make_opaque(made.foam, made.foam_depth, made.foam_most, made.surf)
         made.set_time(surface, time)
         return made
 
     def set_time(self, surface: WaterSurface, time: float) -> None:
         """Move the waves to a time of the film [s]."""
         self.phases = [dr.opaque(mi.Float, wave.phase_at(time)) for wave in surface.waves]
+        self.breaking = dr.opaque(mi.Float, time / _BREAKER_PERIOD % 1.0)
 
     def set_pixel_width(self, fov_deg: float, height: int) -> None:
         """Set how fine waves are seen: in a field of view this high, of so many pixels."""
@@ -372,7 +392,7 @@ class Water:
         """Return the share of the surface that foam hides where water is as deep as this [m].
 
         A ragged line of it lies at the edge and a broken one before that, and both come and go
-        with the waves. Beside steep stones, where they would be two thin cords, a faint broken
+        with the waves; farther out breakers roll in. Beside steep stones, where they would be two thin cords, a faint broken
         trace is left.
 
         Args:
@@ -389,9 +409,28 @@ class Water:
         edge = 1.0 - dr.clip(part / 0.45, 0.0, 1.0)
         line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
         thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
+        thick *= 0.1 + 1.5 * patches * bubbles
+        broken = (0.3 + 1.2 * bubbles) * self._breakers(p, depth)
         shore = dr.clip((normal.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
         shore = dr.maximum(shore, _FOAM_BESIDE * dr.clip(3.0 * patches - 1.0, 0.0, 1.0))
-        return shore * self.foam_most * dr.clip(thick * (0.1 + 1.5 * patches * bubbles), 0.0, 1.0)
+        resting = self.foam_most * dr.clip(thick, 0.0, 1.0)
+        return shore * dr.maximum(resting, self.surf * dr.clip(broken, 0.0, 1.0))
+
+    def _breakers(self, p: Any, depth: Any) -> Any:
+        """Return how thick foam lies of waves that break where the ground rises.
+
+        Each line has a sharp crest on the side of the shore and leaves a torn sheet behind, and
+        runs from a depth to the edge, bent and with gaps.
+        """
+        bend = noise2(p.x / _BREAKER_LENGTHS[0], p.z / _BREAKER_LENGTHS[0], 73)
+        gaps = noise2(p.x / _BREAKER_LENGTHS[1], p.z / _BREAKER_LENGTHS[1], 74)
+        place = depth / _BREAKER_DEPTH + _BREAKER_WANDER * bend
+        behind = place + self.breaking
+        behind -= dr.floor(behind)
+        crest = 1.0 - dr.clip(behind / _BREAKER_CREST, 0.0, 1.0)
+        trail = 1.0 - dr.clip(behind / _BREAKER_TRAIL, 0.0, 1.0)
+        breaks = dr.clip(1.5 - 1.5 * place / _BREAKER_SPAN, 0.0, 1.0)
+        return breaks * (crest * dr.clip(4.0 * gaps - 0.8, 0.0, 1.6) + 0.5 * trail * gaps)
 
     def _height(self, x: Any, z: Any) -> Any:
         height = mi.Float(0.0)

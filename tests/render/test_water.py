@@ -122,6 +122,32 @@ def test_water_is_refused_where_only_path_can_trace(
         mitsuba_scene.choose_tracer(None, FILM.resolved(), 3, None, optics)
 
 
+def test_breakers_run_up_the_shore_of_a_sea_alone(renderer: Renderer) -> None:
+    import mitsuba as mi
+
+    from render.tracing.water import Water as Optics
+
+    # A beach that falls by 5 cm a metre along x.
+    x = np.linspace(0.0, 60.0, 6_000)
+    p = mi.Point3f(x, np.zeros_like(x), np.zeros_like(x))
+    depth = 0.05 * x
+
+    def foam(preset: str, time: float) -> np.ndarray:
+        optics = Optics.of(surface(preset=preset, waves="breeze"), np.ones(3), time)
+        share = optics.foam_share(p, mi.Float(depth), mi.Normal3f(0.0, 1.0, 0.0))
+        return np.array(share)
+
+    def crest(time: float) -> float:
+        beyond = (depth > 0.35) & (depth < 1.2)
+        return float(x[beyond][np.argmax(foam("sea", time)[beyond])])
+
+    offshore = (depth > 0.3) & (depth < 1.2)
+    assert foam("sea", 1.0)[offshore].max() > 0.3
+    assert foam("lake", 1.0)[offshore].max() == 0.0
+    assert foam("sea", 1.0)[depth > 2.0].max() == 0.0
+    assert crest(0.4) - 4.0 < crest(0.9) < crest(0.4)
+
+
 def test_foam_lies_in_the_shallows_and_more_of_it_where_waves_break(renderer: Renderer) -> None:
     import mitsuba as mi
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-BAR = 0.075
+BAR = 0.062
 """Thickness of frames and bars [m]."""
 
 
@@ -55,11 +55,11 @@ class Glazing:
                 Box(
                     frame,
                     (across, 0.5 * tall, -0.22),
-                    (BAR * (0.5 if is_slender else 1), tall, 0.06),
+                    (BAR * (0.42 if is_slender else 1), tall, 0.06),
                 )
             )
         for t in (0.0, *self.transoms, 1.0):
-            thick = BAR * (0.6 if 0.0 < t < 1.0 else 1.0)
+            thick = BAR * (0.5 if 0.0 < t < 1.0 else 1.0)
             up = 0.5 * BAR + t * (tall - BAR)
             found.append(Box(frame, (0.0, up, -0.22), (wide, thick, 0.055)))
         return found

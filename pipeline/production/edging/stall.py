@@ -15,11 +15,24 @@ from pipeline.simulation.spatial import Array
 
 CLOTHS = ("awning red", "awning green", "awning blue")
 
-GOODS = ((0.55, 0.19, 0.03), (0.42, 0.05, 0.03), (0.50, 0.40, 0.06), (0.12, 0.22, 0.05))
+GOODS = (
+    (0.58, 0.20, 0.03),
+    (0.42, 0.04, 0.03),
+    (0.55, 0.42, 0.06),
+    (0.16, 0.30, 0.05),
+    (0.15, 0.04, 0.12),
+    (0.50, 0.26, 0.14),
+)
 """Linear colours of fruit."""
 
-FRUIT_RADIUS, FRUITS = 0.055, 22
-"""Radius of a fruit [m], and their number in a crate."""
+FRUIT_RADIUS, FRUITS, HEAP = 0.05, 46, 0.11
+"""Radius of a fruit [m], their number in a crate, and how high they are heaped [m]."""
+
+UPTURNED = 0.26
+"""Height of the upturned crates on which others stand on the ground [m]."""
+
+BACK_ROW = 0.16
+"""How much higher the crates of the second row stand than those of the first [m]."""
 
 RIDGED, STRIPED = 0.55, 0.6
 """Shares of the stalls whose roof has a ridge, and whose cloth has stripes."""
@@ -61,11 +74,10 @@ class Stall:
         has_ridge, is_striped = self.rng.uniform(size=2) < (RIDGED, STRIPED)
         self._roof(long, cloth, has_ridge=bool(has_ridge), is_striped=bool(is_striped))
         self._table(long - 0.4, "awning white" if is_striped else "weathered")
-        # Crates beside it.
-        for x, z, size in ((-0.55, 0.3, 0.42), (0.54, -0.1, 0.36), (0.55, 0.42, 0.4)):
-            at = self._at(x * long, 0.5 * size, z)
-            turned = self.heading + self.rng.normal(0.0, 0.2)
-            self.border.carpentry.add("edging weathered", at, (size, size, size), turned)
+        # Crates on the ground before it and beside it.
+        for x, z in ((-0.42, -0.86), (0.12, -0.9), (-0.58, 0.3), (0.57, -0.1)):
+            self._add("weathered", (x * long, 0.5 * UPTURNED, z), (0.44, UPTURNED, 0.4))
+            self._crate(x * long, UPTURNED, z)
 
     def _at(self, along: float, up: float, back: float) -> Array:
         way = np.array([np.cos(self.heading), 0.0, -np.sin(self.heading)])
@@ -102,21 +114,28 @@ class Stall:
         self._add("weathered", (0.0, 0.78, 0.0), (long, 0.05, 1.0))
         high = float(self.rng.uniform(0.25, 0.68))
         self._add(skirt, (0.0, 0.77 - 0.5 * high, -0.48), (long - 0.02, high, 0.015))
-        crates = max(round(long / 0.55), 2)
+        self._add("weathered", (0.0, 0.8 + 0.5 * BACK_ROW, 0.26), (long - 0.04, BACK_ROW, 0.44))
+        crates = max(round(long / 0.52), 2)
         for k in range(crates):
-            x = ((k + 0.5) / crates - 0.5) * (long - 0.1)
-            for z in (-0.43, 0.11):
-                self._add("weathered", (x, 0.86, z), (0.48, 0.13, 0.02))
-            for side in (-0.24, 0.24):
-                self._add("weathered", (x + side, 0.86, -0.16), (0.02, 0.13, 0.54))
-            self._fruits(x, GOODS[(k + int(self.rng.integers(0, 2))) % len(GOODS)])
+            x = ((k + 0.5) / crates - 0.5) * (long - 0.08)
+            self._crate(x, 0.805, -0.24)
+            self._crate(x, 0.805 + BACK_ROW, 0.26)
 
-    def _fruits(self, middle: float, color: tuple[float, float, float]) -> None:
-        """Add the fruit of one crate."""
+    def _crate(self, x: float, up: float, z: float) -> None:
+        """Add a crate whose bottom is this high, with fruit heaped in it."""
+        for side in (-0.21, 0.21):
+            self._add("weathered", (x, up + 0.06, z + side), (0.46, 0.12, 0.016))
+            self._add("weathered", (x + 1.07 * side, up + 0.06, z), (0.016, 0.12, 0.42))
+        color = GOODS[int(self.rng.integers(0, len(GOODS)))]
         rng, n = self.rng, FRUITS
-        aside = rng.uniform(-0.2, 0.2, n), rng.uniform(0.0, 0.05, n), rng.uniform(-0.22, 0.22, n)
+        # A heap is highest in its middle.
+        aside = rng.uniform(-1.0, 1.0, (n, 2))
+        high = up + 0.07 + HEAP * np.prod(1.0 - aside**2, axis=1) * rng.uniform(0.7, 1.0, n)
         spots = np.array(
-            [self._at(middle + x, 0.86 + y, z - 0.16) for x, y, z in zip(*aside, strict=True)]
+            [
+                self._at(x + 0.18 * along, y, z + 0.17 * back)
+                for (along, back), y in zip(aside, high, strict=True)
+            ]
         )
         tints = np.array(color) * rng.uniform(0.8, 1.2, (n, 1))
         scales = FRUIT_RADIUS * rng.uniform(0.85, 1.1, (n, 1)) * np.ones(3)

@@ -40,6 +40,9 @@ MAX_STEP = 15.0
 CHUNK = 1 << 21
 """Pairs of places and poses that are looked at together."""
 
+UNDERFOOT = 0.06
+"""Height up to which a thing hides nothing of what stands on the ground [m]: moss and the like."""
+
 
 @dataclass(frozen=True, eq=False)
 class FilmView:
@@ -162,6 +165,7 @@ class FilmView:
                 sight = np.minimum(sight, ground + (1.0 - t) * (self.eyes[:, 1] - ground)) - TALLEST
             free = SIGHT_RADIUS + (BESIDE * t if hides else 0.0)
             blocks = (apart < radii[some, None] + free) & (top > sight - 0.1)
+            blocks &= (heights[some] > UNDERFOOT)[:, None]
             # Nothing may touch the lens, from whichever side.
             eye = np.abs(0.5 * (points[some, 1][:, None] + top) - self.eyes[:, 1])
             lens = (np.hypot(np.linalg.norm(way, axis=-1), eye)) < 0.3 + np.hypot(

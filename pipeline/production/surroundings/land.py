@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.production.surroundings.choice import Choice
-from pipeline.production.surroundings.landforms import LANDFORMS, SEA_DEPTH
+from pipeline.production.surroundings.landforms import LANDFORMS, SEA_DEPTH, beach
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.production.surroundings.roughness import Roughness
 from pipeline.simulation.spatial import Array
@@ -22,10 +22,6 @@ FADE = 110.0
 
 SEA_BELOW = 0.35
 """Depth of the sea below the lowest point of the terrain [m]."""
-
-
-NEARER_SEA, SHORE_REACH = 1.4, 90.0
-"""How much nearer the sea is to a floor than to other ground, and within which distance [m]."""
 
 
 class Land:
@@ -100,10 +96,9 @@ class Land:
         """Return the heights (N,) of the land at places (N, 2) in the frame of the grid [m]."""
         out = self.beyond(places)
         near = self._near(places, out) / (1.0 + (out / FADE) ** 2)
-        if self.is_platform and self.kind == "sea":
-            # A terrace stands at the shore.
-            out = out * (1.0 + NEARER_SEA * np.exp(-((out / SHORE_REACH) ** 2)))
-        return self.level + near + LANDFORMS[self.kind](places, out, self.seed)
+        # A terrace stands at the shore.
+        form = beach if self.is_platform and self.kind == "sea" else LANDFORMS[self.kind]
+        return self.level + near + form(places, out, self.seed)
 
     def _near(self, places: Array, out: Array) -> Array:
         """Return what goes on of the terrain, relative to the level (N,)."""

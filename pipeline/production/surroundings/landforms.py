@@ -32,6 +32,9 @@ WINDWARD = 0.68
 SEA_DEPTH = 4.0
 """Depth of the bottom of the sea [m]."""
 
+BEACH_SLOPE, BEACH_WANDER = 0.042, 4.0
+"""Fall of a beach for each metre, and how far its lines wander [m]."""
+
 
 Shape = Callable[[Array], Array]
 """From places (M, 2) [m] to heights (M,) [m]."""
@@ -175,6 +178,21 @@ def _forest(places: Array, out: Array, seed: int) -> Array:
 
 def _sea(places: Array, out: Array, seed: int) -> Array:
     """Return the land at a bay: a coast with headlands and a far shore; the sea is near 0."""
+    sunk = smoothstep(0.55, 1.5, out / 75.0 + 0.9 * fractal(places / 240.0, seed + 10, 4))
+    swells = _swells(places, out, seed, 2.0)
+    return swells * (1.0 - sunk) - SEA_DEPTH * sunk + _far_coast(places, out, seed)
+
+
+def beach(places: Array, out: Array, seed: int) -> Array:
+    """Return the land of a bay before a terrace: a beach that falls evenly, far out under water."""
+    wander = BEACH_WANDER * fractal(places / 34.0, seed + 10, 3) * smoothstep(2.0, 14.0, out)
+    fall = BEACH_SLOPE * np.maximum(out + wander, 0.0)
+    deep = smoothstep(30.0, 90.0, out)
+    return -(fall + (SEA_DEPTH - fall) * deep) + _far_coast(places, out, seed)
+
+
+def _far_coast(places: Array, out: Array, seed: int) -> Array:
+    """Return headlands and the far shore of a bay, over the bottom of the sea."""
 
     def headlands(p: Array) -> Array:
         return (SEA_DEPTH + 46.0) * smoothstep(0.15, 0.5, fractal(p / 900.0, seed + 20, 4))
@@ -182,12 +200,10 @@ def _sea(places: Array, out: Array, seed: int) -> Array:
     def shore(p: Array) -> Array:
         return 330.0 * eroded(p / 1700.0, seed + 30) * _uneven(p, seed + 40)
 
-    sunk = smoothstep(0.55, 1.5, out / 75.0 + 0.9 * fractal(places / 240.0, seed + 10, 4))
-    rise = np.maximum(
+    return np.maximum(
         _rising(places, out, (260.0, 900.0), headlands),
         _rising(places, out, (3000.0, 4700.0), shore),
     )
-    return _swells(places, out, seed, 2.0) * (1.0 - sunk) - SEA_DEPTH * sunk + rise
 
 
 def _mesas(places: Array, out: Array, seed: int) -> Array:

@@ -60,7 +60,11 @@ def test_no_two_stalls_are_alike() -> None:
         assert np.ptp(corners[:, 0]) < 3.6
         assert corners[:, 1].min() > -0.01
         fruit = np.concatenate([copies.points for copies in border.leaves])
-        assert 0.85 < fruit[:, 1].min() < fruit[:, 1].max() < 0.95
+        # It lies in crates, on the ground and in two rows on the table.
+        high = fruit[:, 1]
+        assert high.min() > 0.3
+        assert high.max() < 1.2
+        assert not ((high > 0.55) & (high < 0.85)).any()
     assert len(sizes) == 4
 
 

@@ -133,6 +133,19 @@ def test_only_the_sea_has_water_and_it_lies_below_the_terrain(rough: TerrainReco
     assert Land(rough, "sea", "rough", 2, 0.25).sea_level == 0.25
 
 
+def test_before_a_terrace_at_the_sea_a_beach_falls_evenly_far_out(rough: TerrainRecord) -> None:
+    terrace = Land(rough, "sea", "platform", 2)
+    assert terrace.sea_level is not None
+    way = np.stack([np.linspace(10.0, 50.0, 400), np.zeros(400)], axis=-1)
+    depth = terrace.sea_level - terrace.height_in_grid(way)
+    shore = way[np.argmax(depth > 0.0), 0] - 10.0
+    assert 3.0 < shore < 16.0
+    # Shallow water, in which waves break, lies before the shore.
+    shallow = (depth > 0.0) & (depth < 1.0)
+    assert shallow.mean() > 0.3
+    assert terrace.height_in_grid(ring(120.0)).max() < terrace.sea_level - 2.0
+
+
 def test_the_edge_shows_the_material_and_the_distance_its_cover(rough: TerrainRecord) -> None:
     land = Land(rough, "hills", "rough", 2)
     mesh = land_mesh(land, rough, "dry soil", GREEN, 0.2)

@@ -67,6 +67,12 @@ ACTIONS: Array = np.array(
 """(emotions, units)."""
 
 
+OPENING: Array = np.ones_like(ACTIONS)
+"""Powers of an emotion with which its actions grow, (emotions, units)."""
+# A smile keeps the lips together; they part for a laugh.
+OPENING[EMOTIONS.index("joy"), [UNITS.index(unit) for unit in ("jaw", "lip_up")]] = 3.0
+
+
 EASE = {"smile": 0.22, "cheek_up": 0.15, "brow_inner_up": 0.12, "brow_outer_up": 0.15}
 """Actions of units in a face that shows no emotion: slack muscles look sad or absent."""
 
@@ -86,6 +92,6 @@ def face_of(emotions: Array) -> Array:
     Units of several emotions do not add up beyond their full action. The less they are, the more
     the face is at ease.
     """
-    acts = emotions[..., :, None] * ACTIONS
+    acts = np.clip(emotions[..., :, None], 0.0, 1.0) ** OPENING * ACTIONS
     ease = (1.0 - np.clip(emotions.max(axis=-1), 0.0, 1.0))[..., None] * AT_EASE
     return np.maximum(1.0 - np.prod(1.0 - np.clip(acts, 0.0, 1.0), axis=-2), ease)

@@ -30,7 +30,7 @@ BEARD_SHADE = 0.8
 """Colour of a beard in that of the hair: hair of a face is darker."""
 
 HOLLOW_COLOR, PUPIL_COLOR = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002)
-TOOTH_COLOR, LASH_COLOR = (0.50, 0.46, 0.38), (0.012, 0.008, 0.006)
+TOOTH_COLOR, LASH_COLOR = (0.66, 0.62, 0.53), (0.012, 0.008, 0.006)
 """Colours of the inside of a mouth, of pupils, teeth and lashes, linear."""
 
 SHEEN_COLOR = (0.36, 0.32, 0.28)

@@ -103,6 +103,17 @@ def test_every_two_expressions_differ_where_it_shows(shape: FaceShape) -> None:
         assert np.quantile(apart, 0.97) > 0.02, (EMOTIONS[a], EMOTIONS[b])
 
 
+def test_a_smile_keeps_the_lips_together_that_part_for_a_laugh() -> None:
+    def acts(strength: float) -> dict[str, float]:
+        emotions = np.array([strength if emotion == "joy" else 0.0 for emotion in EMOTIONS])
+        return dict(zip(UNITS, face_of(emotions).tolist(), strict=True))
+
+    smile, laugh = acts(0.5), acts(1.0)
+    assert smile["smile"] > 0.45
+    assert smile["jaw"] < 0.05
+    assert laugh["jaw"] > 0.3
+
+
 def test_mixed_emotions_stay_within_full_action() -> None:
     assert set(EXPRESSIONS) == set(EMOTIONS)
     assert all(set(units) <= set(UNITS) for units in EXPRESSIONS.values())

@@ -30,6 +30,7 @@ from pipeline.simulation.characters.person_tasks import (
     place_text,
     shoulder_height,
 )
+from pipeline.simulation.people.proportions import BACK_DEPTH
 from pipeline.simulation.spatial import Array
 
 
@@ -39,19 +40,26 @@ class HugShape:
 
     Attributes:
         chest_radius: of either of the two.
-        back_depth: of a back behind the spine, where hands lie that cannot meet.
-        settled: by how much nearer hands come to a back once they are behind it.
+        hand_depth: of the wrist of a hand that lies on a back, in heights of the person.
+        hand_side: of such a wrist beside the spine, in heights of the person: the middle of the
+            hand lies on the spine.
+        side: of the wrist of a large hand beside the spine at most.
+        open_side: of hands that pass the partner's sides.
+        unsettled: by how much farther off a back hands stay until they are behind it.
         waist: height of the narrowest place of a trunk above the pelvis.
-        hands_joined: distance of hands that join.
+        apart: of both hands above and below their middle, in heights of the person.
         reach: largest part of an arm's reach to go around with.
         closing_time: of the arms [s].
     """
 
     chest_radius: float = 0.075
-    back_depth: float = 0.055
-    settled: float = 0.045
+    hand_depth: float = 0.014
+    hand_side: float = 0.05
+    side: float = 0.065
+    open_side: float = 0.15
+    unsettled: float = 0.05
     waist: float = 0.085
-    hands_joined: float = 0.06
+    apart: float = 0.025
     reach: float = 0.95
     closing_time: float = 0.7
 
@@ -72,6 +80,7 @@ WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm length
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
+RECEIVING = 1.4  # opening of arms that receive somebody, in that of arms that close around one
 STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths
 
 
@@ -154,10 +163,6 @@ class Hug(Task):
         self.touched += dt
         self._bow(controller)
         self._close_arms(controller, partner)
-        if self.touched > HUG.closing_time:
-            gap = math.dist(controller.hand(0), controller.hand(1))
-            if gap < HUG.hands_joined * float(controller.record.height):
-                controller.join_hands()
         if not is_done and distance > closeness + HUG_HELD:
             self._draw_near(controller, partner, dt)
             self.touched = min(self.touched, PATIENCE)
@@ -215,7 +220,7 @@ class Hug(Task):
         top = high + (0.02 if is_taller else -0.06) * self.size
         # Round the waist at the lowest: no arm is long enough for hips.
         level = min(max(own - 0.1 * person.height, low + HUG.waist * self.size), top)
-        apart = (0.01 if is_taller else 0.03) * person.height
+        apart = HUG.apart * float(person.height)
         return float(level + (apart if k == 0 else -apart))
 
     def _open_arms(self, controller: PersonController) -> None:
@@ -233,26 +238,43 @@ class Hug(Task):
 
     def _close_arms(self, controller: PersonController, partner: Array) -> None:
         """Bring the hands together behind the partner's back."""
-        person = controller.record
         controller.embrace(self.owner)
-        ahead = controller.direction_to(partner)
-        right = np.array([-ahead[2], 0.0, ahead[0]])
         # Hands that came nearer before they have passed the partner's arms would catch on them.
-        settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0) * HUG.settled
-        full = HUG.chest_radius * self.size + 0.035 * person.height - settled * self.size
-        reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
-        # First past the partner's sides, then together.
+        settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0)
         closed = min(self.touched / HUG.closing_time, 1.0)
-        wide = (1.0 - closed) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
-            side = (1.0 if k == 1 else -1.0) * wide
             level = self._arm_level(controller, k)
-            spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
-            x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
-            middle = np.array([x, level, z])
-            beyond = HUG.reach * reach - controller.ground_distance(middle)
-            behind = min(full, max(beyond, HUG.back_depth * self.size))
-            controller.put_hand_around(k, middle + behind * ahead + side * right)
+            place = place_on_back(controller, self, k, level, 1.0 - closed)
+            ahead = controller.direction_to(partner)
+            off = (1.0 - settled) * HUG.unsettled * self.size
+            controller.put_hand_around(k, place + off * ahead)
+
+
+def place_on_back(
+    controller: PersonController, hug: Hug | ReturnHug, k: int, level: float, opened: float
+) -> Array:
+    """Return (3,) where the wrist of a hand that lies on somebody's back is, as far as arms reach.
+
+    Args:
+        controller: of the person.
+        hug: the partner and its size.
+        k: number of the hand.
+        level: height on the back [m].
+        opened: how far the arms are open, from 1 at the partner's sides to 0.
+    """
+    person, size = controller.record, hug.size
+    ahead = controller.direction_to(controller.view.pelvis(hug.owner))
+    right = np.array([-ahead[2], 0.0, ahead[0]])
+    side = min(HUG.hand_side * float(person.height), HUG.side * size)
+    side += opened * max(HUG.open_side * size - side, 0.0)
+    spine = controller.view.nodes(hug.owner)[[PELVIS, SPINE, SHOULDERS]]
+    x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
+    middle = np.array([x, level, z])
+    reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
+    beyond = HUG.reach * reach - controller.ground_distance(middle)
+    full = BACK_DEPTH * size + HUG.hand_depth * float(person.height)
+    behind = min(full, max(beyond, BACK_DEPTH * size))
+    return middle + behind * ahead + (side if k == 1 else -side) * right
 
 
 @dataclass
@@ -335,15 +357,10 @@ class ReturnHug(Task):
         if not controller.is_facing(FACING):
             # It would bow past the partner.
             person.stoop_depth, level = 0.0, max(level, top - EMBRACE_DESCENT * controller.arm)
-        ahead = np.array([partner[0] - person.at[0], partner[2] - person.at[1]])
-        distance = max(math.hypot(ahead[0], ahead[1]), 1e-6)
-        ahead /= distance
         share = min(self.time / HUG.closing_time, 1.0)
-        wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
-        behind = min(distance + 0.11 * self.size, controller.arm)
+        opened = share if self.opens else 1.0 - share
         for k in range(2):
-            side = wide if k == 1 else -wide
-            x = person.at[0] + behind * ahead[0] - side * ahead[1]
-            z = person.at[1] + behind * ahead[1] + side * ahead[0]
-            controller.put_hand_around(k, np.array([x, level, z]))
+            apart = HUG.apart * float(person.height) * (1.0 if k == 0 else -1.0)
+            place = place_on_back(controller, self, k, level + apart, RECEIVING * opened)
+            controller.put_hand_around(k, place)
         return self.time > HUG.closing_time

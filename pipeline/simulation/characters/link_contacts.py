@@ -141,6 +141,10 @@ def separate_links(
     if squared >= reach * reach:
         return
     one, other = owners[a.owner], owners[b.owner]
+    if _lies_around(one, a, b) or _lies_around(other, b, a):
+        reach = a.embraced_radius + b.embraced_radius
+        if squared >= reach * reach:
+            return
     distance = math.sqrt(squared)
     n = times(1.0 / distance, offset) if distance > TINY else _crossing_normal(one, other, u, v)
     boxes = one.edge_radius > 0.0 and other.edge_radius > 0.0
@@ -151,6 +155,12 @@ def separate_links(
             return
     overlap = Overlap(s, t, place, n, reach - distance)
     _separate(nodes, links, owners, pair, overlap, sub_step, log)
+
+
+@inlined
+def _lies_around(owner: Record, link: Record, other: Record) -> bool:
+    """Tell whether a link is an arm of an owner that embraces the owner of another link."""
+    return bool(link.is_arm) and owner.embraces == other.owner
 
 
 @inlined

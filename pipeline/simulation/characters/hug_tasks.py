@@ -30,7 +30,7 @@ from pipeline.simulation.characters.person_tasks import (
     place_text,
     shoulder_height,
 )
-from pipeline.simulation.people.proportions import BACK_DEPTH
+from pipeline.simulation.people.proportions import BACK_DEPTH, TRUNK_BREADTH
 from pipeline.simulation.spatial import Array
 
 
@@ -44,10 +44,12 @@ class HugShape:
         hand_side: of such a wrist beside the spine, in heights of the person: the middle of the
             hand lies on the spine.
         side: of the wrist of a large hand beside the spine at most.
-        open_side: of hands that pass the partner's sides.
+        open_side: of hands that pass the partner's sides, off its trunk.
         unsettled: by how much farther off a back hands stay until they are behind it.
         waist: height of the narrowest place of a trunk above the pelvis.
+        blades: depth of a smaller one's shoulder blades below its shoulders, where hands lie.
         apart: of both hands above and below their middle, in heights of the person.
+        descent: of hands below the own shoulders without a bow, in arm lengths.
         reach: largest part of an arm's reach to go around with.
         closing_time: of the arms [s].
     """
@@ -56,15 +58,19 @@ class HugShape:
     hand_depth: float = 0.014
     hand_side: float = 0.05
     side: float = 0.065
-    open_side: float = 0.15
+    open_side: float = 0.05
     unsettled: float = 0.05
-    waist: float = 0.085
+    waist: float = 0.095
+    blades: float = 0.09
     apart: float = 0.025
-    reach: float = 0.95
+    descent: float = 0.42
+    reach: float = 0.93
     closing_time: float = 0.7
 
 
 HUG = HugShape()
+
+WRAP_POINTS = 24
 
 STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
@@ -199,7 +205,7 @@ class Hug(Task):
     def _bow(self, controller: PersonController) -> None:
         level = self._arm_level(controller, 0)
         controller.record.stoop_depth = max(
-            shoulder_height(controller) - level - 0.3 * controller.arm, 0.0
+            shoulder_height(controller) - level - HUG.descent * controller.arm, 0.0
         )
 
     def loosen(self, controller: PersonController, dt: float) -> bool:
@@ -217,7 +223,7 @@ class Hug(Task):
         own = shoulder_height(controller)
         # The taller one's arms go over, the smaller one's under.
         is_taller = person.height > 1.05 * self.size
-        top = high + (0.02 if is_taller else -0.06) * self.size
+        top = high - (HUG.blades if is_taller else 0.06) * self.size
         # Round the waist at the lowest: no arm is long enough for hips.
         level = min(max(own - 0.1 * person.height, low + HUG.waist * self.size), top)
         apart = HUG.apart * float(person.height)
@@ -242,39 +248,74 @@ class Hug(Task):
         # Hands that came nearer before they have passed the partner's arms would catch on them.
         settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0)
         closed = min(self.touched / HUG.closing_time, 1.0)
+        off = (1.0 - settled) * HUG.unsettled * self.size
         for k in range(2):
             level = self._arm_level(controller, k)
-            place = place_on_back(controller, self, k, level, 1.0 - closed)
-            ahead = controller.direction_to(partner)
-            off = (1.0 - settled) * HUG.unsettled * self.size
-            controller.put_hand_around(k, place + off * ahead)
+            place = place_on_back(controller, self, k, level, (1.0 - closed, off))
+            controller.put_hand_around(k, place)
 
 
 def place_on_back(
-    controller: PersonController, hug: Hug | ReturnHug, k: int, level: float, opened: float
+    controller: PersonController,
+    hug: Hug | ReturnHug,
+    k: int,
+    level: float,
+    opening: tuple[float, float],
 ) -> Array:
-    """Return (3,) where the wrist of a hand that lies on somebody's back is, as far as arms reach.
+    """Return (3,) where the wrist of a hand that lies on somebody's back is.
+
+    The arm goes around the partner's trunk as far as it reaches.
 
     Args:
         controller: of the person.
         hug: the partner and its size.
         k: number of the hand.
         level: height on the back [m].
-        opened: how far the arms are open, from 1 at the partner's sides to 0.
+        opening: how far the arms are open, from 1 beside the partner to 0 on its back; and how far
+            they are off its trunk [m].
     """
-    person, size = controller.record, hug.size
+    height, size = float(controller.record.height), hug.size
     ahead = controller.direction_to(controller.view.pelvis(hug.owner))
-    right = np.array([-ahead[2], 0.0, ahead[0]])
-    side = min(HUG.hand_side * float(person.height), HUG.side * size)
-    side += opened * max(HUG.open_side * size - side, 0.0)
+    aside = (1.0 if k == 1 else -1.0) * np.array([-ahead[2], 0.0, ahead[0]])
     spine = controller.view.nodes(hug.owner)[[PELVIS, SPINE, SHOULDERS]]
     x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
     middle = np.array([x, level, z])
-    reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
-    beyond = HUG.reach * reach - controller.ground_distance(middle)
-    full = BACK_DEPTH * size + HUG.hand_depth * float(person.height)
-    behind = min(full, max(beyond, BACK_DEPTH * size))
-    return middle + behind * ahead + (side if k == 1 else -side) * right
+    start = controller.shoulder(k) - middle
+    opened, off = opening
+    off += HUG.hand_depth * height
+    breadth = TRUNK_BREADTH * size + off + opened * HUG.open_side * size
+    side = min(HUG.hand_side * height, HUG.side * size)
+    end = math.acos(min((side + opened * (breadth - side)) / breadth, 1.0))
+    reach = HUG.reach * controller.arm
+    behind, beside = wrapped(
+        (float(start @ ahead), float(start @ aside)),
+        (BACK_DEPTH * size + off, breadth),
+        end,
+        math.sqrt(max(reach**2 - float(start[1]) ** 2, 0.0)),
+    )
+    return middle + behind * ahead + beside * aside
+
+
+def wrapped(
+    start: tuple[float, float], oval: tuple[float, float], end: float, length: float
+) -> tuple[float, float]:
+    """Return (2,) the end of a string around an oval: behind its middle, and beside it [m].
+
+    Args:
+        start: of the string, likewise.
+        oval: its reach behind and beside its middle [m].
+        end: angle on the oval from its side to its back, beyond which the string does not go [rad].
+        length: of the string [m].
+    """
+    angles = np.linspace(-0.5 * math.pi, end, WRAP_POINTS)
+    points = np.stack([oval[0] * np.sin(angles), oval[1] * np.cos(angles)], axis=1)
+    normals = np.stack([oval[1] * np.sin(angles), oval[0] * np.cos(angles)], axis=1)
+    hidden = ((np.array(start) - points) * normals).sum(axis=1) <= 0.0
+    first = int(hidden.argmax()) if hidden.any() else WRAP_POINTS - 1
+    line = np.concatenate([[start], points[first:]])
+    gone = np.concatenate([[0.0], np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()])
+    behind, beside = (float(np.interp(length, gone, line[:, c])) for c in range(2))
+    return behind, beside
 
 
 @dataclass
@@ -361,6 +402,6 @@ class ReturnHug(Task):
         opened = share if self.opens else 1.0 - share
         for k in range(2):
             apart = HUG.apart * float(person.height) * (1.0 if k == 0 else -1.0)
-            place = place_on_back(controller, self, k, level + apart, RECEIVING * opened)
+            place = place_on_back(controller, self, k, level + apart, (RECEIVING * opened, 0.0))
             controller.put_hand_around(k, place)
         return self.time > HUG.closing_time

@@ -31,7 +31,7 @@ class Link(NamedTuple):
         longest: likewise the greatest.
         damping: of one end against the other [1/s].
         flatness: radius for arms that lie around its owner, in its own.
-        is_arm: whether it belongs to an arm.
+        is_arm: whether it belongs to an arm or its shoulder.
         is_deck: whether people who stand on the thing stand above it, and do not touch it.
         toughness: energy of a touch that hurts, relative to that of its character.
     """

@@ -121,7 +121,7 @@ def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
             _girth(name) * proportions.height,
             damping=JOINT_DAMPING if name[-2:] in ("_l", "_r") else 0.0,
             flatness=BACK_FLATNESS.get(name, 1.0),
-            is_arm=name.startswith(("upper_arm", "forearm")),
+            is_arm=name.startswith(("yoke", "upper_arm", "forearm")),
             toughness=FOOT_TOUGHNESS if name.startswith("shin") else 1.0,
         )
         for name, ends in SEGMENTS.items()

@@ -86,6 +86,7 @@ WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm length
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
+LOOSENED = 0.2  # distance from a trunk of arms that open, in that of arms that close
 RECEIVING = 1.4  # opening of arms that receive somebody, in that of arms that close around one
 STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths
 
@@ -168,7 +169,7 @@ class Hug(Task):
         is_done = self.touched > PATIENCE
         self.touched += dt
         self._bow(controller)
-        self._close_arms(controller, partner)
+        self._close_arms(controller)
         if not is_done and distance > closeness + HUG_HELD:
             self._draw_near(controller, partner, dt)
             self.touched = min(self.touched, PATIENCE)
@@ -212,7 +213,7 @@ class Hug(Task):
         """Open the arms as they were closed; tell whether they are open."""
         controller.part_hands()
         self.touched = max(min(self.touched, HUG.closing_time) - dt, 1e-6)
-        self._close_arms(controller, controller.view.pelvis(self.owner))
+        self._lay_arms(controller, LOOSENED * HUG.unsettled * self.size)
         return self.touched <= dt
 
     def _arm_level(self, controller: PersonController, k: int) -> float:
@@ -242,16 +243,19 @@ class Hug(Task):
             place[1] = self._arm_level(controller, k)
             controller.put_hand_around(k, place)
 
-    def _close_arms(self, controller: PersonController, partner: Array) -> None:
+    def _close_arms(self, controller: PersonController) -> None:
         """Bring the hands together behind the partner's back."""
-        controller.embrace(self.owner)
         # Hands that came nearer before they have passed the partner's arms would catch on them.
         settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0)
-        closed = min(self.touched / HUG.closing_time, 1.0)
-        off = (1.0 - settled) * HUG.unsettled * self.size
+        self._lay_arms(controller, (1.0 - settled) * HUG.unsettled * self.size)
+
+    def _lay_arms(self, controller: PersonController, off: float) -> None:
+        """Lay the arms around the partner, at a distance from its trunk [m]."""
+        controller.embrace(self.owner)
+        opened = 1.0 - min(self.touched / HUG.closing_time, 1.0)
         for k in range(2):
             level = self._arm_level(controller, k)
-            place = place_on_back(controller, self, k, level, (1.0 - closed, off))
+            place = place_on_back(controller, self, k, level, (opened, off))
             controller.put_hand_around(k, place)
 
 

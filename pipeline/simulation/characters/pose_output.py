@@ -252,7 +252,6 @@ class FramePoser:
                 places[:, thing.frame] -= turn(turned, rest)
         return R, places
 
-
     def _lay_hands(self, R: Array, p: Array, blend: Array, embraced: IntArray) -> None:
         """Lay the hands of people that embrace somebody on the back of that one.
 

@@ -169,9 +169,7 @@ def hands_on_trunks(
     share = share * (1.0 - _smoothstep((away - LYING) / (NEAR - LYING)))
     lying = _hanging_frames(fingers, side * outward)
     # Without the bend of the wrist, the hand turns its forearm.
-    unbent = np.stack(
-        [_swing_rotated(fingers, straight, lying[..., k]) for k in range(3)], axis=-1
-    )
+    unbent = np.stack([_swing_rotated(fingers, straight, lying[..., k]) for k in range(3)], axis=-1)
     return (
         _mixed_frames(forearms, unbent, FOREARM_TWIST * share),
         _mixed_frames(forearms, lying, share),

@@ -99,7 +99,8 @@ LINK = cache_lines(
         # Radius for arms that lie around its owner: backs are flat [m].
         ("embraced_radius", "f8"),
         ("owner", "i8"),
-        # Whether it belongs to an arm or its shoulder, which passes through those of an embraced character.
+        # Whether it belongs to an arm or its shoulder, which passes through those of an embraced
+        # character.
         ("is_arm", "?"),
         # Whether people who stand on its owner stand above it, and do not touch it.
         ("is_deck", "?"),

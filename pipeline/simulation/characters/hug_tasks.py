@@ -314,8 +314,10 @@ def wrapped(
     angles = np.linspace(-0.5 * math.pi, end, WRAP_POINTS)
     points = np.stack([oval[0] * np.sin(angles), oval[1] * np.cos(angles)], axis=1)
     normals = np.stack([oval[1] * np.sin(angles), oval[0] * np.cos(angles)], axis=1)
-    hidden = ((np.array(start) - points) * normals).sum(axis=1) <= 0.0
-    first = int(hidden.argmax()) if hidden.any() else WRAP_POINTS - 1
+    offsets = np.array(start) - points
+    seen = np.flatnonzero((offsets * normals).sum(axis=1) > 0.0)
+    # From inside it comes out at the nearest place.
+    first = int(seen[-1]) if len(seen) else int((offsets * offsets).sum(axis=1).argmin())
     line = np.concatenate([[start], points[first:]])
     gone = np.concatenate([[0.0], np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()])
     behind, beside = (float(np.interp(length, gone, line[:, c])) for c in range(2))

@@ -10,7 +10,6 @@ from pydantic import Field, model_validator
 from pipeline.spec.keyframes import Time
 from pipeline.spec.model_base import ConfigModel, Fault, fault_error
 
-
 TAKEN_GRIP = 0.35
 """How far fingers close about a thing that was taken.
 

@@ -51,6 +51,7 @@ class HugShape:
         apart: of both hands above and below their middle, in heights of the person.
         descent: of hands below the own shoulders without a bow, in arm lengths.
         reach: largest part of an arm's reach to go around with.
+        least_reach: part of that which an arm goes over the ground at least.
         closing_time: of the arms [s].
     """
 
@@ -65,6 +66,7 @@ class HugShape:
     apart: float = 0.025
     descent: float = 0.42
     reach: float = 0.93
+    least_reach: float = 0.5
     closing_time: float = 0.7
 
 
@@ -295,7 +297,8 @@ def place_on_back(
         (float(start @ ahead), float(start @ aside)),
         (BACK_DEPTH * size + off, breadth),
         end,
-        math.sqrt(max(reach**2 - float(start[1]) ** 2, 0.0)),
+        # What is too high or too low is reached for all the same.
+        math.sqrt(max(reach**2 - float(start[1]) ** 2, (HUG.least_reach * reach) ** 2)),
     )
     return middle + behind * ahead + beside * aside
 

@@ -143,7 +143,7 @@ def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
         limbs=_limbs(rest),
         pairs=tuple((numbers[a], numbers[b]) for a, b in touching),
         pain_threshold=PAIN_ENERGY * proportions.mass,
-        grips=3,
+        grips=2,
     )
 
 

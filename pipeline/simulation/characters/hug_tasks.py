@@ -95,7 +95,7 @@ STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in
 
 @dataclass
 class Hug(Task):
-    """Go to a character, put both arms around it, and join the hands.
+    """Go to a character, put both arms around it, and lay the hands on its back.
 
     Attributes:
         owner: number of the partner.
@@ -166,7 +166,6 @@ class Hug(Task):
         elif distance > closeness + LOST_HUG * controller.arm:
             # In a hug a person lets its partner go, and does not reach after it.
             self.is_lost, self.touched = self.touched > PATIENCE, 0.0
-            controller.part_hands()
             return self.is_lost
         is_done = self.touched > PATIENCE
         self.touched += dt
@@ -213,7 +212,6 @@ class Hug(Task):
 
     def loosen(self, controller: PersonController, dt: float) -> bool:
         """Open the arms as they were closed; tell whether they are open."""
-        controller.part_hands()
         self.touched = max(min(self.touched, HUG.closing_time) - dt, 1e-6)
         self._lay_arms(controller, LOOSENED * HUG.unsettled * self.size)
         return self.touched <= dt

@@ -88,6 +88,7 @@ WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm length
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
+TOUCHING = 0.5  # share of the closing time after which arms touch a partner
 LOOSENED = 0.2  # distance from a trunk of arms that open, in that of arms that close
 RECEIVING = 1.4  # opening of arms that receive somebody, in that of arms that close around one
 STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths
@@ -168,6 +169,9 @@ class Hug(Task):
             self.is_lost, self.touched = self.touched > PATIENCE, 0.0
             return self.is_lost
         is_done = self.touched > PATIENCE
+        if self.touched < TOUCHING * HUG.closing_time <= self.touched + dt:
+            # Arms lie around somebody without pressing on it.
+            controller.touched.append(controller.view.names[self.owner])
         self.touched += dt
         self._bow(controller)
         self._close_arms(controller)

@@ -183,13 +183,12 @@ def around(off: float, share: float = 1.0) -> tuple[Array, Array, Array, Array]:
     spine = partner[[JOINTS.index(name) for name in ("pelvis", "spine", "shoulders")]]
     joints = ADULT.rest()
     wrists = []
-    for k, side in enumerate("lr"):
-        way = 1.0 if side == "r" else -1.0
-        wrist = spine[1] + [depth, 0.2, 0.09 * way]
-        elbow = wrist + [-0.15, -0.05, 0.19 * way]
+    for side, way in (("l", -1.0), ("r", 1.0)):
+        wrist = spine[1] + np.array([depth, 0.2, 0.09 * way])
+        elbow = wrist + np.array([-0.15, -0.05, 0.19 * way])
         for name, place in (("elbow", elbow), ("hand", wrist)):
             joints[JOINTS.index(f"{name}_{side}")] = place
-        joints[JOINTS.index(f"shoulder_{side}")] = elbow + [-0.3, 0.05, -0.08 * way]
+        joints[JOINTS.index(f"shoulder_{side}")] = elbow + np.array([-0.3, 0.05, -0.08 * way])
         wrists.append(wrist)
     R, _ = frames_from_joints(joints)
     before = R[FOREARMS]

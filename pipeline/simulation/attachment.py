@@ -22,6 +22,7 @@ from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
 from pipeline.spec.cast import Member
 from pipeline.spec.group import Group
+from pipeline.spec.hold import TAKEN_GRIP
 from pipeline.spec.prop import Prop
 
 
@@ -32,10 +33,12 @@ class Grip:
     Attributes:
         node: number of the holding node.
         rows: first row, and first row after it.
+        closure: how far the fingers close, 0 to 1.
     """
 
     node: int
     rows: tuple[int, int]
+    closure: float = TAKEN_GRIP
 
 
 @dataclass(eq=False)
@@ -158,6 +161,7 @@ def attachments_of(
             Grip(
                 node_of(hold.by, f"cast[{i}].held[{k}].by"),
                 (_row_at(hold.at, clock), _row_at(hold.until, clock)),
+                hold.grip,
             )
             for k, hold in enumerate(holds)
         )

@@ -9,12 +9,8 @@ import numpy as np
 from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.spatial import Array
 
-TAKEN_GRIP, CARRIED_GRIP = 0.35, 1.0
-"""How far fingers close about a thing that was taken, and about one that is carried all along.
-
-A hand reaches with its fingertips, so what it takes lies before them, and fingers that closed would
-leave it. What is carried was placed in the hand.
-"""
+CARRIED_GRIP = 1.0
+"""How far fingers close about a thing that is carried all along: it was placed in the hand."""
 
 
 class HandGrips:
@@ -31,7 +27,7 @@ class HandGrips:
     def bind(self, attachments: Sequence[Attachment]) -> None:
         """Take the grips of props that hands hold for a while or carry all the time."""
         for attachment in attachments:
-            held = [(grip.node, grip.rows, TAKEN_GRIP) for grip in attachment.grips]
+            held = [(grip.node, grip.rows, grip.closure) for grip in attachment.grips]
             if not held:
                 held = [(attachment.parent, (0, np.iinfo(np.int64).max), CARRIED_GRIP)]
             for node, rows, share in held:

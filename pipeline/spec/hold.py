@@ -10,6 +10,13 @@ from pydantic import Field, model_validator
 from pipeline.spec.keyframes import Time
 from pipeline.spec.model_base import ConfigModel, Fault, fault_error
 
+TAKEN_GRIP = 0.35
+"""How far fingers close about a thing that was taken.
+
+A hand reaches with its fingertips, so what it takes lies before them, and fingers that closed would
+leave it.
+"""
+
 
 class Hold(ConfigModel):
     """Somebody has it in a hand: it goes with that link, as it was when it was taken."""
@@ -23,6 +30,13 @@ class Hold(ConfigModel):
     at: Time = Field(description="Time at which it is taken [s].")
     until: Time | None = Field(
         None, description="Time at which it is released [s]; never if left out."
+    )
+    grip: float = Field(
+        TAKEN_GRIP,
+        ge=0.0,
+        le=1.0,
+        description="How far the fingers close: a little around what lies at the fingertips, 0.8 "
+        "around what lies in the palm.",
     )
 
     @model_validator(mode="after")

@@ -96,8 +96,11 @@ LINK = cache_lines(
         # 0 of a link that cannot be touched [m]; damping of one end against the other [1/s].
         ("radius", "f8"),
         ("damping", "f8"),
+        # Radius for arms that lie around its owner: backs are flat [m].
+        ("embraced_radius", "f8"),
         ("owner", "i8"),
-        # Whether it belongs to an arm, which passes through those of an embraced character.
+        # Whether it belongs to an arm or its shoulder, which passes through those of an embraced
+        # character.
         ("is_arm", "?"),
         # Whether people who stand on its owner stand above it, and do not touch it.
         ("is_deck", "?"),

@@ -30,7 +30,8 @@ class Link(NamedTuple):
         shortest: least distance of the ends, None for that of the rest pose [m].
         longest: likewise the greatest.
         damping: of one end against the other [1/s].
-        is_arm: whether it belongs to an arm.
+        flatness: radius for arms that lie around its owner, in its own.
+        is_arm: whether it belongs to an arm or its shoulder.
         is_deck: whether people who stand on the thing stand above it, and do not touch it.
         toughness: energy of a touch that hurts, relative to that of its character.
     """
@@ -40,6 +41,7 @@ class Link(NamedTuple):
     shortest: float | None = None
     longest: float | None = None
     damping: float = 0.0
+    flatness: float = 1.0
     is_arm: bool = False
     is_deck: bool = False
     toughness: float = 1.0
@@ -133,6 +135,7 @@ def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
     links["length_limits"] = np.array(limits).reshape(-1, 2)
     for name in ("radius", "damping", "is_arm", "is_deck", "toughness"):
         links[name] = [getattr(link, name) for _, link in planned]
+    links["embraced_radius"] = [link.radius * link.flatness for _, link in planned]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
     links["touched"] = links["touched_owner"] = links["recent"] = NOBODY
     links["age"] = links["recent_age"] = np.inf

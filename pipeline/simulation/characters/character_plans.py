@@ -71,6 +71,9 @@ LINK_RADII = {
 }
 """Radii of links, in heights."""
 
+BACK_FLATNESS = {"belly": 0.62, "chest": 0.60}
+"""Depth of a back behind the axis of a link, in the radius of the link, which is as wide as it."""
+
 SKULL_RADIUS = 0.42  # in the head's own height
 JOINT_DAMPING = 3.0  # of limbs: a swing of a third of a second loses a tenth [1/s]
 
@@ -117,7 +120,8 @@ def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
             _ends(*ends),
             _girth(name) * proportions.height,
             damping=JOINT_DAMPING if name[-2:] in ("_l", "_r") else 0.0,
-            is_arm=name.startswith(("upper_arm", "forearm")),
+            flatness=BACK_FLATNESS.get(name, 1.0),
+            is_arm=name.startswith(("yoke", "upper_arm", "forearm")),
             toughness=FOOT_TOUGHNESS if name.startswith("shin") else 1.0,
         )
         for name, ends in SEGMENTS.items()
@@ -139,7 +143,7 @@ def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
         limbs=_limbs(rest),
         pairs=tuple((numbers[a], numbers[b]) for a, b in touching),
         pain_threshold=PAIN_ENERGY * proportions.mass,
-        grips=3,
+        grips=2,
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import CharacterArrays
+from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
 from pipeline.simulation.characters.body_plan import character_arrays
 from pipeline.simulation.characters.broad_phase import workspace_for
 from pipeline.simulation.characters.character_plans import (
@@ -63,8 +63,8 @@ SUB_STEP_RATE = 240.0
 LED_HAND_FLATNESS = 0.7
 """How far a hand is stretched that reaches for a place, or lies there."""
 
-EMBRACE_GRIP = 0.5
-"""How far a hand closes that lies around somebody."""
+EMBRACE_FLATNESS = 0.5
+"""How far a hand is stretched that lies on somebody's back."""
 
 
 class Characters(Troupe):
@@ -128,8 +128,8 @@ class Characters(Troupe):
             [face.performer for face in faces], world.seed, world.clock.row_time
         )
         self._face_inputs: list[FaceInputs] = []
-        # Rows to write: nodes, rotations of balls, records of acting people.
-        self._rows: list[tuple[Array, Array, Records]] = []
+        # Rows to write: nodes, rotations of balls, records of acting people, whom they embrace.
+        self._rows: list[tuple[Array, Array, Records, IntArray]] = []
         self._values: list[Array] = []
 
     def _start_arrays(self, h: float) -> CharacterArrays:
@@ -291,7 +291,8 @@ class Characters(Troupe):
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         turned = self.ball_rotations.R.copy()
-        self._rows.append((self.arrays.p.copy(), turned, self.persons.copy()))
+        embraced = self.arrays.owners["embraces"][self.persons["owner"]]
+        self._rows.append((self.arrays.p.copy(), turned, self.persons.copy(), embraced))
         if self.minds is not None:
             self._values.append(self.minds.values())
         self._face_inputs.append(self._face_input())
@@ -306,18 +307,22 @@ class Characters(Troupe):
         found.told[:count] = self.dispatcher.expressions
         found.eyes[:count] = eye_aims(persons)
         found.stun[:count] = persons["stun"]
-        held = EMBRACE_GRIP * persons["embrace_blend"]
-        found.grips[:count] = np.maximum(self.dispatcher.gripping(), held)
-        found.flat[:count] = LED_HAND_FLATNESS * np.isin(persons["arm_mode"], (REACHING, PLACED))
+        found.grips[:count] = self.dispatcher.gripping()
+        found.flat[:count] = np.maximum(
+            LED_HAND_FLATNESS * np.isin(persons["arm_mode"], (REACHING, PLACED)),
+            EMBRACE_FLATNESS * persons["embrace_blend"],
+        )
         return found
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept, at once because the calls dominate the cost."""
-        nodes, turned, records = zip(*self._rows, strict=True)
+        nodes, turned, records, embraced = zip(*self._rows, strict=True)
         persons = np.empty((len(records), len(self.persons)), self.persons.dtype)
         for k, record in enumerate(records):
             persons[k] = record
-        posed = self._poser.pose(np.array(nodes), np.array(turned), persons, self.world.ground)
+        posed = self._poser.pose(
+            *(np.array(nodes), np.array(turned), persons, np.array(embraced)), self.world.ground
+        )
         rows.rotations[:], rows.positions[:] = posed
         rows.alive[:] = True
         rows.expressions[:] = self._faces.faces(self._face_inputs)

@@ -30,6 +30,7 @@ from pipeline.simulation.characters.person_tasks import (
     place_text,
     shoulder_height,
 )
+from pipeline.simulation.people.proportions import BACK_DEPTH, TRUNK_BREADTH
 from pipeline.simulation.spatial import Array
 
 
@@ -39,24 +40,39 @@ class HugShape:
 
     Attributes:
         chest_radius: of either of the two.
-        back_depth: of a back behind the spine, where hands lie that cannot meet.
-        settled: by how much nearer hands come to a back once they are behind it.
+        hand_depth: of the wrist of a hand that lies on a back, in heights of the person.
+        hand_side: of such a wrist beside the spine, in heights of the person: the middle of the
+            hand lies on the spine.
+        side: of the wrist of a large hand beside the spine at most.
+        open_side: of hands that pass the partner's sides, off its trunk.
+        unsettled: by how much farther off a back hands stay until they are behind it.
         waist: height of the narrowest place of a trunk above the pelvis.
-        hands_joined: distance of hands that join.
+        blades: depth of a smaller one's shoulder blades below its shoulders, where hands lie.
+        apart: of both hands above and below their middle, in heights of the person.
+        descent: of hands below the own shoulders without a bow, in arm lengths.
         reach: largest part of an arm's reach to go around with.
+        least_reach: part of that which an arm goes over the ground at least.
         closing_time: of the arms [s].
     """
 
     chest_radius: float = 0.075
-    back_depth: float = 0.055
-    settled: float = 0.045
-    waist: float = 0.085
-    hands_joined: float = 0.06
-    reach: float = 0.95
+    hand_depth: float = 0.014
+    hand_side: float = 0.05
+    side: float = 0.065
+    open_side: float = 0.05
+    unsettled: float = 0.05
+    waist: float = 0.095
+    blades: float = 0.09
+    apart: float = 0.025
+    descent: float = 0.42
+    reach: float = 0.93
+    least_reach: float = 0.5
     closing_time: float = 0.7
 
 
 HUG = HugShape()
+
+WRAP_POINTS = 24
 
 STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
@@ -72,12 +88,15 @@ WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm length
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
+TOUCHING = 0.5  # share of the closing time after which arms touch a partner
+LOOSENED = 0.2  # distance from a trunk of arms that open, in that of arms that close
+RECEIVING = 1.4  # opening of arms that receive somebody, in that of arms that close around one
 STOOP_REACH = 0.4  # of hands below the own shoulders, beyond which one bows, in arm lengths
 
 
 @dataclass
 class Hug(Task):
-    """Go to a character, put both arms around it, and join the hands.
+    """Go to a character, put both arms around it, and lay the hands on its back.
 
     Attributes:
         owner: number of the partner.
@@ -148,16 +167,14 @@ class Hug(Task):
         elif distance > closeness + LOST_HUG * controller.arm:
             # In a hug a person lets its partner go, and does not reach after it.
             self.is_lost, self.touched = self.touched > PATIENCE, 0.0
-            controller.part_hands()
             return self.is_lost
         is_done = self.touched > PATIENCE
+        if self.touched < TOUCHING * HUG.closing_time <= self.touched + dt:
+            # Arms lie around somebody without pressing on it.
+            controller.touched.append(controller.view.names[self.owner])
         self.touched += dt
         self._bow(controller)
-        self._close_arms(controller, partner)
-        if self.touched > HUG.closing_time:
-            gap = math.dist(controller.hand(0), controller.hand(1))
-            if gap < HUG.hands_joined * float(controller.record.height):
-                controller.join_hands()
+        self._close_arms(controller)
         if not is_done and distance > closeness + HUG_HELD:
             self._draw_near(controller, partner, dt)
             self.touched = min(self.touched, PATIENCE)
@@ -194,14 +211,13 @@ class Hug(Task):
     def _bow(self, controller: PersonController) -> None:
         level = self._arm_level(controller, 0)
         controller.record.stoop_depth = max(
-            shoulder_height(controller) - level - 0.3 * controller.arm, 0.0
+            shoulder_height(controller) - level - HUG.descent * controller.arm, 0.0
         )
 
     def loosen(self, controller: PersonController, dt: float) -> bool:
         """Open the arms as they were closed; tell whether they are open."""
-        controller.part_hands()
         self.touched = max(min(self.touched, HUG.closing_time) - dt, 1e-6)
-        self._close_arms(controller, controller.view.pelvis(self.owner))
+        self._lay_arms(controller, LOOSENED * HUG.unsettled * self.size)
         return self.touched <= dt
 
     def _arm_level(self, controller: PersonController, k: int) -> float:
@@ -212,10 +228,10 @@ class Hug(Task):
         own = shoulder_height(controller)
         # The taller one's arms go over, the smaller one's under.
         is_taller = person.height > 1.05 * self.size
-        top = high + (0.02 if is_taller else -0.06) * self.size
+        top = high - (HUG.blades if is_taller else 0.06) * self.size
         # Round the waist at the lowest: no arm is long enough for hips.
         level = min(max(own - 0.1 * person.height, low + HUG.waist * self.size), top)
-        apart = (0.01 if is_taller else 0.03) * person.height
+        apart = HUG.apart * float(person.height)
         return float(level + (apart if k == 0 else -apart))
 
     def _open_arms(self, controller: PersonController) -> None:
@@ -231,28 +247,86 @@ class Hug(Task):
             place[1] = self._arm_level(controller, k)
             controller.put_hand_around(k, place)
 
-    def _close_arms(self, controller: PersonController, partner: Array) -> None:
+    def _close_arms(self, controller: PersonController) -> None:
         """Bring the hands together behind the partner's back."""
-        person = controller.record
-        controller.embrace(self.owner)
-        ahead = controller.direction_to(partner)
-        right = np.array([-ahead[2], 0.0, ahead[0]])
         # Hands that came nearer before they have passed the partner's arms would catch on them.
-        settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0) * HUG.settled
-        full = HUG.chest_radius * self.size + 0.035 * person.height - settled * self.size
-        reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
-        # First past the partner's sides, then together.
-        closed = min(self.touched / HUG.closing_time, 1.0)
-        wide = (1.0 - closed) * 0.13 * self.size + 0.02 * self.size
+        settled = min(max(self.touched / HUG.closing_time - 1.0, 0.0), 1.0)
+        self._lay_arms(controller, (1.0 - settled) * HUG.unsettled * self.size)
+
+    def _lay_arms(self, controller: PersonController, off: float) -> None:
+        """Lay the arms around the partner, at a distance from its trunk [m]."""
+        controller.embrace(self.owner)
+        opened = 1.0 - min(self.touched / HUG.closing_time, 1.0)
         for k in range(2):
-            side = (1.0 if k == 1 else -1.0) * wide
             level = self._arm_level(controller, k)
-            spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
-            x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
-            middle = np.array([x, level, z])
-            beyond = HUG.reach * reach - controller.ground_distance(middle)
-            behind = min(full, max(beyond, HUG.back_depth * self.size))
-            controller.put_hand_around(k, middle + behind * ahead + side * right)
+            place = place_on_back(controller, self, k, level, (opened, off))
+            controller.put_hand_around(k, place)
+
+
+def place_on_back(
+    controller: PersonController,
+    hug: Hug | ReturnHug,
+    k: int,
+    level: float,
+    opening: tuple[float, float],
+) -> Array:
+    """Return (3,) where the wrist of a hand that lies on somebody's back is.
+
+    The arm goes around the partner's trunk as far as it reaches.
+
+    Args:
+        controller: of the person.
+        hug: the partner and its size.
+        k: number of the hand.
+        level: height on the back [m].
+        opening: how far the arms are open, from 1 beside the partner to 0 on its back; and how far
+            they are off its trunk [m].
+    """
+    height, size = float(controller.record.height), hug.size
+    ahead = controller.direction_to(controller.view.pelvis(hug.owner))
+    aside = (1.0 if k == 1 else -1.0) * np.array([-ahead[2], 0.0, ahead[0]])
+    spine = controller.view.nodes(hug.owner)[[PELVIS, SPINE, SHOULDERS]]
+    x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
+    middle = np.array([x, level, z])
+    start = controller.shoulder(k) - middle
+    opened, off = opening
+    off += HUG.hand_depth * height
+    breadth = TRUNK_BREADTH * size + off + opened * HUG.open_side * size
+    side = min(HUG.hand_side * height, HUG.side * size)
+    end = math.acos(min((side + opened * (breadth - side)) / breadth, 1.0))
+    reach = HUG.reach * controller.arm
+    behind, beside = wrapped(
+        (float(start @ ahead), float(start @ aside)),
+        (BACK_DEPTH * size + off, breadth),
+        end,
+        # What is too high or too low is reached for all the same.
+        math.sqrt(max(reach**2 - float(start[1]) ** 2, (HUG.least_reach * reach) ** 2)),
+    )
+    return middle + behind * ahead + beside * aside
+
+
+def wrapped(
+    start: tuple[float, float], oval: tuple[float, float], end: float, length: float
+) -> tuple[float, float]:
+    """Return (2,) the end of a string around an oval: behind its middle, and beside it [m].
+
+    Args:
+        start: of the string, likewise.
+        oval: its reach behind and beside its middle [m].
+        end: angle on the oval from its side to its back, beyond which the string does not go [rad].
+        length: of the string [m].
+    """
+    angles = np.linspace(-0.5 * math.pi, end, WRAP_POINTS)
+    points = np.stack([oval[0] * np.sin(angles), oval[1] * np.cos(angles)], axis=1)
+    normals = np.stack([oval[1] * np.sin(angles), oval[0] * np.cos(angles)], axis=1)
+    offsets = np.array(start) - points
+    seen = np.flatnonzero((offsets * normals).sum(axis=1) > 0.0)
+    # From inside it comes out at the nearest place.
+    first = int(seen[-1]) if len(seen) else int((offsets * offsets).sum(axis=1).argmin())
+    line = np.concatenate([[start], points[first:]])
+    gone = np.concatenate([[0.0], np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()])
+    behind, beside = (float(np.interp(length, gone, line[:, c])) for c in range(2))
+    return behind, beside
 
 
 @dataclass
@@ -335,15 +409,10 @@ class ReturnHug(Task):
         if not controller.is_facing(FACING):
             # It would bow past the partner.
             person.stoop_depth, level = 0.0, max(level, top - EMBRACE_DESCENT * controller.arm)
-        ahead = np.array([partner[0] - person.at[0], partner[2] - person.at[1]])
-        distance = max(math.hypot(ahead[0], ahead[1]), 1e-6)
-        ahead /= distance
         share = min(self.time / HUG.closing_time, 1.0)
-        wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
-        behind = min(distance + 0.11 * self.size, controller.arm)
+        opened = share if self.opens else 1.0 - share
         for k in range(2):
-            side = wide if k == 1 else -wide
-            x = person.at[0] + behind * ahead[0] - side * ahead[1]
-            z = person.at[1] + behind * ahead[1] + side * ahead[0]
-            controller.put_hand_around(k, np.array([x, level, z]))
+            apart = HUG.apart * float(person.height) * (1.0 if k == 0 else -1.0)
+            place = place_on_back(controller, self, k, level + apart, (RECEIVING * opened, 0.0))
+            controller.put_hand_around(k, place)
         return self.time > HUG.closing_time

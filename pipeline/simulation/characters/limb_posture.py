@@ -64,7 +64,7 @@ from pipeline.simulation.dynamics.vectors import (
 # Arms.
 HAND_RATE = 7.0  # of hands that reach for a place; settled after about 5/ω [rad/s]
 OUTSTRETCHED_FRACTION = 0.97  # of the arm's length
-ELBOW_HANG = 0.35  # of elbows held aside, as a tangent
+ELBOW_HANG = 0.7  # of elbows held aside, as a tangent
 ARM_SWING_ANGLE = math.radians(23.0)  # to both sides at the preferred walking speed
 LEAST_ARM_SWING = 0.25  # share of it that is left of arms that are kept to the body
 BOW_RANGE, MAX_BOW = 0.45, 1.5  # descent of the shoulders for the deepest bow, in their height;

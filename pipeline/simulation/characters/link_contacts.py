@@ -46,6 +46,7 @@ PARALLEL = 1e-9  # squared sine of the angle between parallel segments
 TANGLE_DEPTH = 0.003  # of links of one character that tire of parting [m]
 WEDGE_DEPTH = 0.003  # of a link in another one beyond which it pushes its locked end [m]
 STRETCH_MARGIN = 0.1  # by which a link may be too long, in its length
+BACK_SLOPE = 2.0  # of the share of a back in a direction, by the cosine of its turn off the back
 MIN_LEVER = 0.2  # from a held end, in the link's length: nearer the other end would go too far
 
 
@@ -143,6 +144,12 @@ def separate_links(
     one, other = owners[a.owner], owners[b.owner]
     distance = math.sqrt(squared)
     n = times(1.0 / distance, offset) if distance > TINY else _crossing_normal(one, other, u, v)
+    if _lies_around(one, a, b):
+        reach -= (b.radius - b.embraced_radius) * _behind(nodes, one, other, n)
+    elif _lies_around(other, b, a):
+        reach -= (a.radius - a.embraced_radius) * _behind(nodes, other, one, times(-1.0, n))
+    if distance >= reach:
+        return
     boxes = one.edge_radius > 0.0 and other.edge_radius > 0.0
     if boxes and _points_inward(one, other, n):
         # Edges that have gone through one another are moved back through.
@@ -151,6 +158,20 @@ def separate_links(
             return
     overlap = Overlap(s, t, place, n, reach - distance)
     _separate(nodes, links, owners, pair, overlap, sub_step, log)
+
+
+@inlined
+def _lies_around(owner: Record, link: Record, other: Record) -> bool:
+    """Tell whether a link is an arm of an owner that embraces the owner of another link."""
+    return bool(link.is_arm) and owner.embraces == other.owner
+
+
+@inlined
+def _behind(nodes: Records, one: Record, other: Record, n: Vector) -> float:
+    """Return how far a direction points to the back of the second of two owners, 0 to 1."""
+    here, there = nodes[one.nodes[0]].p, nodes[other.nodes[0]].p
+    x, z = there[0] - here[0], there[2] - here[2]
+    return min(max(BACK_SLOPE * (n[0] * x + n[2] * z) / max(math.hypot(x, z), TINY), 0.0), 1.0)
 
 
 @inlined

@@ -31,10 +31,7 @@ from pipeline.simulation.spatial import Array
 HANDS: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
 """Numbers of hands by name."""
 
-JOINED_GRIP = 2
-"""The grip of both hands on one another, behind that of each."""
-
-NOTHING_GRIPPED = [NOBODY] * (JOINED_GRIP + 1)
+NOTHING_GRIPPED = [NOBODY] * 2
 
 EMBRACE_RANGE = 2.0  # distance at which an embrace has ended, in arm lengths
 BODY_RADIUS = 0.17  # of a person on the ground, in heights
@@ -240,23 +237,23 @@ class PersonController:
     def grip(
         self, k: int, node: int, bar: int = NOBODY, share: float = 0.0, follows: bool = False
     ) -> None:
-        """Close a hand around a node or a bar; for JOINED_GRIP the left hand.
+        """Close a hand around a node or a bar.
 
         Args:
-            k: number of the grip.
+            k: number of the hand.
             node: that is held, or one end of the bar.
             bar: the node at its other end.
             share: how far along the bar, 0 to 1.
             follows: whether the hand only follows the node and does not move it, as for a rider,
                 whose feet push back as much, and a pusher, who moves the bar by `push_bar`.
         """
-        hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
+        hand, nodes = int(self.record.node) + HAND + k, self.view.arrays.nodes
         if self.held_node(k) != node and nodes["owner"][node] != self.record.owner:
             self.touched.append(self.view.names[nodes["owner"][node]])
         self.view.arrays.grips[self.record.grip + k] = hand, node
         nodes["grip_partner"][hand] = nodes["owner"][node]
         nodes["grip_partner"][node] = self.record.owner
-        self.parting.pop(k % JOINED_GRIP, None)
+        self.parting.pop(k, None)
         nodes["grip_bar"][hand], nodes["grip_share"][hand] = bar, share
         nodes["grip_follows"][hand] = follows
         nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], self.held_place(k))
@@ -271,13 +268,13 @@ class PersonController:
 
     @property
     def is_gripping(self) -> bool:
-        """Whether a hand grips a node, or the other hand."""
+        """Whether a hand grips a node."""
         return self._gripped.tolist() != NOTHING_GRIPPED
 
     @cached_property
     def _gripped(self) -> IntArray:
-        """(3,) the nodes that its grips hold, NOBODY for none."""
-        return self.view.arrays.grips[self._first_grip : self._first_grip + JOINED_GRIP + 1, 1]
+        """(2,) the nodes that its hands grip, NOBODY for none."""
+        return self.view.arrays.grips[self._first_grip : self._first_grip + 2, 1]
 
     @cached_property
     def _first_grip(self) -> int:
@@ -307,7 +304,7 @@ class PersonController:
         owner, owners = self.view.owner(name), self.view.owner_of_node
         if owner < 0:
             return tuple(k for k in range(2) if self.held_members.get(k) == name)
-        left, right, _ = self._gripped.tolist()
+        left, right = self._gripped.tolist()
         if left < 0 and right < 0:
             return ()
         nodes = enumerate((left, right))
@@ -375,15 +372,6 @@ class PersonController:
         if partner >= 0:
             if self.ground_distance(self.view.pelvis(partner)) > EMBRACE_RANGE * self.arm:
                 self.embrace(NOBODY)
-
-    def join_hands(self) -> None:
-        """Grip one hand with the other, unless one grips something else."""
-        if self.held_node(0) < 0 and self.held_node(1) < 0:
-            self.grip(JOINED_GRIP, int(self.record.node) + HAND + 1)
-
-    def part_hands(self) -> None:
-        """Let the hands release one another."""
-        self._open(JOINED_GRIP)
 
     def _open(self, k: int) -> None:
         grip = self.view.arrays.grips[self.record.grip + k]

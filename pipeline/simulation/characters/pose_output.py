@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.body_plan import BodyPlan
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
@@ -22,14 +22,15 @@ from pipeline.simulation.dynamics.vectors import cross, dot
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.people.body_frames import (
     FRAMES,
-    clasping_hands,
+    Trunks,
     frames_from_joints,
     guided_arms,
+    hands_on_trunks,
 )
 from pipeline.simulation.people.face_tracker import MAX_EYE_DOWN, MAX_EYE_SIDE, MAX_EYE_UP
 from pipeline.simulation.people.guided_dance import GUIDED_FRAMES
 from pipeline.simulation.people.person_inventory import person_record
-from pipeline.simulation.people.proportions import JOINTS
+from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array, heading, normalized, turn
 from pipeline.simulation.take import Mesh, Node, Part
@@ -42,6 +43,11 @@ FEET, HANDS, FOREARMS = (
 ARMS = [FRAMES.index(name) for name in GUIDED_FRAMES]
 CHEST = FRAMES.index("chest")
 HEAD = JOINTS.index("head")
+TRUNK = [JOINTS.index(name) for name in ("pelvis", "spine", "shoulders")]
+WRISTS = [JOINTS.index(name) for name in ("hand_l", "hand_r")]
+
+LEAST_BLEND = 1e-4
+"""Blend of an arm to an embrace that is not seen."""
 
 ROLLING_HEIGHT = 0.02, 1e-3
 """Height over the ground up to which a ball rolls: in radii, plus [m]."""
@@ -193,6 +199,8 @@ class FramePoser:
         people: (P,) first frames of people and dolls.
         acting: (A,) indices of acting people among these.
         joints: (P, 16) nodes of people and dolls.
+        builds: of people and dolls.
+        owners: (C,) index of each character among people and dolls, NOBODY of a thing.
         things: the other characters.
     """
 
@@ -200,10 +208,12 @@ class FramePoser:
     people: IntArray
     acting: IntArray
     joints: IntArray
+    builds: tuple[Proportions, ...]
+    owners: IntArray
     things: tuple[ThingFrame, ...]
 
     def pose(
-        self, p: Array, ball_rotations: Array, persons: Records, ground: Ground
+        self, p: Array, ball_rotations: Array, persons: Records, embraced: IntArray, ground: Ground
     ) -> tuple[Array, Array]:
         """Return rotations (K, J, 3, 3) and places (K, J, 3) of all frames.
 
@@ -211,6 +221,7 @@ class FramePoser:
             p: (K, N, 3) nodes [m].
             ball_rotations: (K, B, 3, 3) of balls.
             persons: (K, A) `PERSON` records of acting people.
+            embraced: (K, A) characters around which their arms lie, or NOBODY.
             ground: the terrain.
         """
         count = len(self.inventory.nodes)
@@ -224,8 +235,7 @@ class FramePoser:
                     posed = frames_from_joints(p[:, self.joints[own]], looks)
                     R[:, frames[own]], places[:, frames[own]] = posed
             acting = frames[self.acting]
-            forearms, chests = R[:, acting[:, FOREARMS]], R[:, acting[:, CHEST]]
-            R[:, acting[:, HANDS]] = clasping_hands(forearms, chests, persons["embrace_blend"])
+            self._lay_hands(R, p, persons["embrace_blend"], embraced)
             R[:, acting[:, FEET]] = feet
             _guide_arms(R, acting, persons)
         ball = 0
@@ -241,6 +251,31 @@ class FramePoser:
                 rest = np.broadcast_to(thing.rest.mean(axis=0), own_nodes[:, 0].shape)
                 places[:, thing.frame] -= turn(turned, rest)
         return R, places
+
+    def _lay_hands(self, R: Array, p: Array, blend: Array, embraced: IntArray) -> None:
+        """Lay the hands of people that embrace somebody on the back of that one.
+
+        Args:
+            R: (K, J, 3, 3) rotations; changed.
+            p: (K, N, 3) nodes [m].
+            blend: (K, A, 2) of the arms to an embrace, 0 to 1.
+            embraced: (K, A) see `pose`.
+        """
+        others = np.where(embraced >= 0, self.owners[embraced], NOBODY)
+        rows, who = np.nonzero((blend.max(axis=-1) > LEAST_BLEND) & (others >= 0))
+        if not len(rows):
+            return
+        own, other = self.acting[who], others[rows, who]
+        sizes = np.array([[build.height, build.hand] for build in self.builds])
+        spines = p[rows[:, None], self.joints[other][:, TRUNK]]
+        chests = R[rows, self.people[other] + CHEST]
+        hands = rows[:, None], self.people[own][:, None] + np.array(HANDS)
+        forearms = rows[:, None], self.people[own][:, None] + np.array(FOREARMS)
+        R[forearms], R[hands] = hands_on_trunks(
+            *(R[forearms], p[rows[:, None], self.joints[own][:, WRISTS]]),
+            *(sizes[own].prod(axis=-1), Trunks(spines, chests, sizes[other, 0])),
+            blend[rows, who],
+        )
 
 
 def _guide_arms(R: Array, acting: IntArray, persons: Records) -> None:
@@ -264,17 +299,20 @@ def frame_poser(
     """Return the meshes and frames of characters, people in their clothes by name."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     people, joints, things = list[int](), list[IntArray](), list[ThingFrame]()
-    acting = list[int]()
+    acting, builds, owners = list[int](), list[Proportions](), list[int]()
     first = 0
     for member, plan in zip(cast, plans, strict=True):
         frame = len(nodes)
         if (proportions := proportions_of(member)) is not None:
             acting += [len(people)] if member.acts else []
+            owners.append(len(people))
+            builds.append(proportions)
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
             worn = clothes[member.name]
             made = person_record(member.name, proportions, worn, frame, len(meshes), rows)
         else:
+            owners.append(NOBODY)
             span = first, first + len(plan.rest)
             things.append(ThingFrame(frame, span, plan.rest, axis_nodes(member.character)))
             made = _thing(member, plan, frame, len(meshes), rows)
@@ -287,6 +325,8 @@ def frame_poser(
         np.array(people, dtype=np.int64),
         np.array(acting, dtype=np.int64),
         np.array(joints, dtype=np.int64).reshape(-1, len(JOINTS)),
+        tuple(builds),
+        np.array(owners, dtype=np.int64),
         tuple(things),
     )
 

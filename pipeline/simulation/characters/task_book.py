@@ -146,7 +146,6 @@ class TaskBook:
         person = controller.record
         person.posture, person.has_facing, person.stoop_depth = STANDING, False, 0.0
         person.startled = False
-        controller.part_hands()
         for hand in range(2):
             if not controller.is_holding(hand):
                 controller.let_go(hand)
@@ -183,7 +182,6 @@ class TaskBook:
         self.view.slots.leave(controller.name)
         self._set_pace(k, 0.0)
         controller.record.stoop_depth = 0.0
-        controller.part_hands()
         if controller.record.kick_foot >= 0 and isinstance(last, KickThing):
             last.put_foot_down(controller)
         for hand in range(2):
@@ -281,7 +279,6 @@ class TaskBook:
             self._begin(k, LoosenHug(task, STEP_BACK), keeps_arms=True)
             self._done[k], self._ordered[k] = True, False
             return
-        controller.part_hands()
         for hand in hands:
             controller.let_go(hand)
         if isinstance(task, (Hug, Reach, Grapple, PushRound, *ARM_TASKS)):

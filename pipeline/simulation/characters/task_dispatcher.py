@@ -24,7 +24,6 @@ from pipeline.simulation.characters.hug_reception import HugReception
 from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.ordered_tasks import members_named
 from pipeline.simulation.characters.person_controller import (
-    JOINED_GRIP,
     PersonController,
 )
 from pipeline.simulation.characters.person_tasks import (
@@ -85,7 +84,7 @@ class TaskDispatcher(TaskBook):
         # Who had something to do in this step.
         self._acting = list[int]()
         self._persons, self._embraces = persons, view.arrays.owners["embraces"]
-        self._grips = persons["grip"][:, None] + np.arange(JOINED_GRIP)
+        self._grips = persons["grip"][:, None] + np.arange(2)
         self._people = np.array([k in view.people for k in range(len(view.names))], dtype=bool)
         self._looked_at: IntArray = np.full(len(self.controllers), NOBODY)
         self._arrived: list[str] = []
@@ -99,8 +98,7 @@ class TaskDispatcher(TaskBook):
         found = (grips[self._grips, 1] >= 0).astype(float)
         for k, controller in enumerate(self.controllers):
             found[k, list(controller.held_members)] = 1.0
-        is_wide = found.all(axis=-1) | (grips[self._persons["grip"] + JOINED_GRIP, 1] >= 0)
-        found[is_wide] = WIDE_GRIP
+        found[found.all(axis=-1)] = WIDE_GRIP
         return found
 
     def members_needed(self, orders: Orders) -> set[str]:

@@ -8,10 +8,18 @@ least twist; between the two the one blends into the other.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pipeline.simulation.people.joint_limits import LIMP_ANKLE_PITCH, MAX_ANKLE_PITCH, MAX_NOD
-from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.people.proportions import (
+    BACK_DEPTH,
+    JOINTS,
+    PALM_FRACTION,
+    TRUNK_BREADTH,
+    Proportions,
+)
 from pipeline.simulation.spatial import UP, Array, cross, normalized, turn, turn_inverse
 
 FRAMES = (
@@ -41,8 +49,11 @@ ORIGINS = tuple(name for name in JOINTS if name != "head")
 
 HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
 LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend
-CLASP_BEND = 2.0  # of hands that lie around somebody, inward, as a tangent
-CLASP_CURL = 1.0  # of the same, back towards the own chest
+HAND_RISE = 0.2  # of fingers that lie on a back, as a tangent
+MAX_WRIST_BEND = np.radians(60.0)  # of a hand against its forearm
+FOREARM_TWIST = 0.5  # share of the twist of a hand against its hinge that the forearm takes
+LYING, NEAR = 0.03, 0.10
+"""Distances of a palm from a trunk up to which it lies on it, and turns to it, in heights."""
 
 ARM_SPREAD = normalized(np.array([1.0, -0.6, 0.7]))
 LEG_SPREAD = normalized(np.array([1.0, -1.0, 0.15]))
@@ -96,19 +107,89 @@ def frames_from_joints(
     return rotations, joints[..., [JOINTS.index(name) for name in ORIGINS], :]
 
 
-def clasping_hands(forearms: Array, chest: Array, share: Array) -> Array:
-    """Return the frames (..., 2, 3, 3) of hands that lie around somebody.
+class Trunks(NamedTuple):
+    """The trunks of n people, around which arms lie.
+
+    Attributes:
+        spines: (n, 3, 3) joints: pelvis, spine and shoulders [m].
+        chests: (n, 3, 3) frames.
+        heights: (n,) of the people [m].
+    """
+
+    spines: Array
+    chests: Array
+    heights: Array
+
+    def surface(self, places: Array) -> tuple[Array, Array]:
+        """Return the normals (n, 2, 3) and distances (n, 2) of places (n, 2, 3) from trunks [m].
+
+        A trunk is an oval around its spine.
+        """
+        pelvis, spine, shoulders = (self.spines[:, None, k] for k in range(3))
+        along = normalized(shoulders - pelvis)
+        is_low = _dot(places - spine, along) < 0.0
+        axis = normalized(np.where(is_low[..., None], spine - pelvis, shoulders - spine))
+        ahead = self.chests[:, None, :, 0]
+        ahead = normalized(ahead - _dot(ahead, axis)[..., None] * axis)
+        right, offset = cross(ahead, axis), places - spine
+        depth, breadth = (part * self.heights[:, None] for part in (BACK_DEPTH, TRUNK_BREADTH))
+        x, z = _dot(offset, ahead), _dot(offset, right)
+        normal = (x / depth**2)[..., None] * ahead + (z / breadth**2)[..., None] * right
+        size = np.hypot(x / depth, z / breadth)
+        distance = np.hypot(x, z) * (1.0 - 1.0 / np.maximum(size, 1e-3))
+        return normalized(normal + 1e-9 * ahead), distance
+
+
+def hands_on_trunks(
+    forearms: Array, wrists: Array, lengths: Array, trunks: Trunks, share: Array
+) -> tuple[Array, Array]:
+    """Return the frames (n, 2, 3, 3) of forearms and of hands whose palms lie on trunks.
+
+    Fingers go on around the trunk. Hands that are away from it continue their forearms.
 
     Args:
-        forearms: (..., 2, 3, 3) of the left and the right one, which straight hands continue.
-        chest: (..., 3, 3) of the chest.
-        share: (..., 2) of the inward bend, 0 to 1.
+        forearms: (n, 2, 3, 3) of the left and the right one, turned by their hinges.
+        wrists: (n, 2, 3) [m].
+        lengths: (n,) of the hands [m].
+        trunks: around which they lie.
+        share: (n, 2) of an embrace, 0 to 1.
     """
-    along = -forearms[..., 1]
-    inward = chest[..., None, :, 2] * np.array([[1.0], [-1.0]])
-    back = -chest[..., None, :, 0]
-    bent = normalized(along + share[..., None] * (CLASP_BEND * inward + CLASP_CURL * back))
-    return np.stack([_swing_rotated(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
+    side = np.array([[-1.0], [1.0]])
+    straight = -forearms[..., 1]
+    fingers = straight
+    for _ in range(3):
+        palms = wrists + (PALM_FRACTION * lengths)[:, None, None] * fingers
+        normals, distances = trunks.surface(palms)
+        around = side * cross(np.broadcast_to(UP, normals.shape), normals)
+        risen = around + HAND_RISE * UP + 0.5 * straight[..., 1:2] * UP
+        flat = normalized(risen - _dot(risen, normals)[..., None] * normals)
+        fingers = _bent_at_most(straight, flat, MAX_WRIST_BEND)
+    outward = normalized(normals - _dot(normals, fingers)[..., None] * fingers)
+    away = distances / trunks.heights[:, None]
+    share = share * (1.0 - _smoothstep((away - LYING) / (NEAR - LYING)))
+    lying = _hanging_frames(fingers, side * outward)
+    # Without the bend of the wrist, the hand turns its forearm.
+    unbent = np.stack([_swing_rotated(fingers, straight, lying[..., k]) for k in range(3)], axis=-1)
+    return (
+        _mixed_frames(forearms, unbent, FOREARM_TWIST * share),
+        _mixed_frames(forearms, lying, share),
+    )
+
+
+def _bent_at_most(straight: Array, bent: Array, most: float) -> Array:
+    """Return directions (..., 3) towards `bent`, at most an angle [rad] from `straight`."""
+    aside = bent - _dot(bent, straight)[..., None] * straight
+    angle = np.arctan2(np.sqrt(_dot(aside, aside)), _dot(bent, straight))
+    kept = np.minimum(angle, most)[..., None]
+    return np.cos(kept) * straight + np.sin(kept) * normalized(aside + 1e-12)
+
+
+def _mixed_frames(own: Array, other: Array, share: Array) -> Array:
+    """Return the frames (..., 3, 3) between two, with the share (...) of the other."""
+    mixed = own + share[..., None, None] * (other - own)
+    y = normalized(mixed[..., 1])
+    x = normalized(cross(y, mixed[..., 2]))
+    return np.stack([x, y, cross(x, y)], axis=-1)
 
 
 def guided_arms(own: Array, guide: Array, share: Array) -> Array:
@@ -136,10 +217,7 @@ def guided_arms(own: Array, guide: Array, share: Array) -> Array:
         ],
         axis=-3,
     )
-    mixed = own + share[..., None, None, None] * (turned - own)
-    y = normalized(mixed[..., 1])
-    x = normalized(cross(y, mixed[..., 2]))
-    return np.stack([x, y, cross(x, y)], axis=-1)
+    return _mixed_frames(own, turned, share[..., None])
 
 
 def _trunk_frames(right: Array, up: Array, upright: bool) -> Array:

@@ -140,6 +140,9 @@ CHILD = Proportions(
     head_size=0.180,
 )
 
+BACK_DEPTH, TRUNK_BREADTH = 0.056, 0.09
+"""Depth of a clothed back behind the spine, and half the breadth of a trunk, in heights."""
+
 BUILDS = {"adult": ADULT, "child": CHILD}
 """Proportions by the name of a build."""
 

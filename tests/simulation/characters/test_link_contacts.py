@@ -230,3 +230,28 @@ def test_a_link_with_a_locked_end_stays_solid(beside: float) -> None:
         deepest = max(deepest, character_overlap(yard.arrays.nodes, yard.arrays.links))
     assert met
     assert deepest < 0.0005
+
+
+@pytest.mark.parametrize(
+    ("embraces", "side", "is_parted"), [(1, 1.0, False), (NOBODY, 1.0, True), (1, -1.0, True)]
+)
+def test_only_arms_that_lie_around_somebody_come_nearer_to_the_back(
+    embraces: int, side: float, is_parted: bool
+) -> None:
+    """A trunk is as wide as its links, and not as deep."""
+    plan = person_plan(ADULT)
+    belly, forearm = (plan.links[LINK_NAMES.index(name)] for name in ("belly", "forearm_r"))
+    off = 0.75 * side * (belly.radius + forearm.radius)
+    up = np.array([0.0, 20.0, 0.0])
+    places = [plan.rest + up, plan.rest + up + [0.3 - off, 0.3, 0.0]]
+    middle = places[1][list(belly.ends)].mean(axis=0)
+    # Across the other's trunk, behind it or before it.
+    for node, z in zip(forearm.ends, (0.12, -0.13), strict=True):
+        places[0][node] = middle + np.array([off, 0.0, z])
+    yard = build_yard([plan, plan], places, gravity=0.0)
+    yard.arrays.owners["embraces"][0] = embraces
+    yard.step(4)
+    ends = yard.arrays.p[list(forearm.ends)].mean(axis=0)
+    trunk = yard.arrays.p[len(plan.rest) :][list(belly.ends)].mean(axis=0)
+    nearest = belly.radius + forearm.radius
+    assert (side * (ends - trunk)[0] > 0.85 * nearest) == is_parted

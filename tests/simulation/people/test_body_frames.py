@@ -8,13 +8,22 @@ import pytest
 from pipeline.simulation.people.body_frames import (
     FRAMES,
     MAX_NOD,
+    MAX_WRIST_BEND,
     ORIGINS,
     PARENTS,
-    clasping_hands,
+    Trunks,
     frame_origins,
     frames_from_joints,
+    hands_on_trunks,
 )
-from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, Proportions
+from pipeline.simulation.people.proportions import (
+    ADULT,
+    BACK_DEPTH,
+    CHILD,
+    JOINTS,
+    TRUNK_BREADTH,
+    Proportions,
+)
 from pipeline.simulation.spatial import Array, normalized, rotation
 
 PEOPLE = pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
@@ -159,16 +168,66 @@ def test_soles_lie_flat_within_the_ankle_limit() -> None:
     assert np.degrees(np.arccos((shin[:, 1] * R[foot, :, 1]).sum())) < 20
 
 
-def test_clasping_hands_bend_inward_and_others_stay_straight() -> None:
-    rest = np.stack([ADULT.rest()] * 2)
-    R, _ = frames_from_joints(rest)
-    forearms = R[:, [FRAMES.index("forearm_l"), FRAMES.index("forearm_r")]]
-    chest = R[:, FRAMES.index("chest")]
-    share = np.array([[0.0, 0.0], [1.0, 0.4]])
-    hands = clasping_hands(forearms, chest, share)
-    np.testing.assert_allclose(hands[0], forearms[0], atol=1e-12)
-    np.testing.assert_allclose(hands @ hands.swapaxes(-1, -2), np.eye(3) + 0 * hands, atol=1e-12)
-    inward = np.stack([chest[..., 2], -chest[..., 2]], axis=1)
-    turned = ((-hands[..., 1]) * inward).sum(axis=-1) - ((-forearms[..., 1]) * inward).sum(axis=-1)
-    assert (turned[1] > [0.6, 0.3]).all()
-    assert turned[1, 0] > turned[1, 1]
+FOREARMS = [FRAMES.index("forearm_l"), FRAMES.index("forearm_r")]
+
+
+def around(off: float, share: float = 1.0) -> tuple[Array, Array, Array, Array]:
+    """Return forearms and hands (2, 3, 3) of arms held ahead around somebody, and both before.
+
+    Args:
+        off: of the wrists from the back of the other one, who looks back at them [m].
+        share: of the embrace.
+    """
+    depth, turned = BACK_DEPTH * ADULT.height + off, rotation(Y, np.pi)
+    partner = ADULT.rest() @ turned.T
+    spine = partner[[JOINTS.index(name) for name in ("pelvis", "spine", "shoulders")]]
+    joints = ADULT.rest()
+    wrists = []
+    for side, way in (("l", -1.0), ("r", 1.0)):
+        wrist = spine[1] + np.array([depth, 0.2, 0.09 * way])
+        elbow = wrist + np.array([-0.15, -0.05, 0.19 * way])
+        for name, place in (("elbow", elbow), ("hand", wrist)):
+            joints[JOINTS.index(f"{name}_{side}")] = place
+        joints[JOINTS.index(f"shoulder_{side}")] = elbow + np.array([-0.3, 0.05, -0.08 * way])
+        wrists.append(wrist)
+    R, _ = frames_from_joints(joints)
+    before = R[FOREARMS]
+    trunk = Trunks(spine[None], turned[None], np.array([ADULT.height]))
+    length = np.array([ADULT.hand * ADULT.height])
+    shares = np.full((1, 2), share)
+    forearms, hands = hands_on_trunks(before[None], np.array([wrists]), length, trunk, shares)
+    return forearms[0], hands[0], before, np.array(wrists)
+
+
+def test_hands_around_somebody_lie_flat_on_the_back() -> None:
+    forearms, hands, before, _ = around(0.02)
+    for k, way in enumerate((-1.0, 1.0)):
+        back, fingers = way * hands[k, :, 2], -hands[k, :, 1]
+        # The back of the hand looks away from the partner, and fingers go on around it.
+        assert back @ X > 0.9
+        assert fingers @ (-way * Z) > 0.85
+        assert 0.0 < fingers[1] < 0.4
+        assert -before[k, :, 1] @ fingers > np.cos(MAX_WRIST_BEND) - 1e-9
+        # The forearm keeps its direction and takes part in the turn of the hand.
+        np.testing.assert_allclose(forearms[k, :, 1], before[k, :, 1], atol=1e-9)
+        assert way * forearms[k, :, 2] @ X > way * before[k, :, 2] @ X + 0.1
+    for found in (forearms, hands):
+        np.testing.assert_allclose(found @ found.swapaxes(-1, -2), [np.eye(3)] * 2, atol=1e-12)
+        np.testing.assert_allclose(np.linalg.det(found), 1.0)
+
+
+@pytest.mark.parametrize(("off", "share"), [(0.4, 1.0), (0.02, 0.0)])
+def test_hands_away_from_a_trunk_continue_their_forearms(off: float, share: float) -> None:
+    forearms, hands, before, _ = around(off, share)
+    np.testing.assert_allclose(hands, before, atol=1e-12)
+    np.testing.assert_allclose(forearms, before, atol=1e-12)
+
+
+def test_a_trunk_is_an_oval_around_its_spine() -> None:
+    spine = ADULT.rest()[[JOINTS.index(name) for name in ("pelvis", "spine", "shoulders")]]
+    trunk = Trunks(spine[None], np.eye(3)[None], np.array([ADULT.height]))
+    depth, breadth = BACK_DEPTH * ADULT.height, TRUNK_BREADTH * ADULT.height
+    places = spine[1] + np.array([[-depth - 0.03, 0.1, 0.0], [0.0, 0.1, breadth + 0.05]])
+    normals, distances = trunk.surface(places[None])
+    np.testing.assert_allclose(normals[0], [-X, Z], atol=1e-6)
+    np.testing.assert_allclose(distances[0], [0.03, 0.05], atol=1e-9)

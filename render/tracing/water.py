@@ -392,8 +392,8 @@ class Water:
         """Return the share of the surface that foam hides where water is as deep as this [m].
 
         A ragged line of it lies at the edge and a broken one before that, and both come and go
-        with the waves; farther out breakers roll in. Beside steep stones, where they would be two thin cords, a faint broken
-        trace is left.
+        with the waves; farther out breakers roll in. Beside steep stones, where they would be two
+        thin cords, a faint broken trace is left.
 
         Args:
             p: places on the surface [m].

@@ -42,7 +42,7 @@ INSET = 0.01  # of the place at which a solid is met from its top and bottom [m]
 WALL_SPACE = 0.17  # of the middle of a body, in heights
 WALL_TIME = 0.6  # within which no wall is met [s]
 PASSAGE_RANGE = 4.0  # of walls between which walkers go one after the other [m]
-PASSAGE_SIGHT = 12.0  # distance of walls up to which an opening between them is seen [m]
+PASSAGE_SIGHT = 16.0  # distance of walls up to which an opening between them is seen [m]
 STEEP_COSINE = 0.7  # of the least angle to the level of a face that stops a body
 
 

@@ -24,6 +24,7 @@ from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.companions import Companions
 from pipeline.simulation.characters.contact_response import new_touch_log
 from pipeline.simulation.characters.dance_task import (
+    Dance,
     dance_contacts,
     rest_dances,
 )
@@ -254,7 +255,9 @@ class Characters(Troupe):
         self._roll_balls()
         contacts = self.contact_reporter.contacts(self.log, step) + self.footfalls.contacts(step)
         if self.dances.guides:
-            contacts += dance_contacts(self.dispatcher, self.cast, self.world.clothes, step)
+            people = self.dispatcher
+            dances = [(people.controllers[k], task) for k, task in people.busy(Dance)]
+            contacts += dance_contacts(dances, self.cast, self.world.clothes, step)
         voices = self.minds.voices if self.minds is not None else ()
         done, signals = self.dispatcher.facts(), self.signals.signals(voices)
         touched = self.contact_reporter.touched(self.log)

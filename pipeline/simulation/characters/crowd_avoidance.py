@@ -43,11 +43,17 @@ from pipeline.simulation.characters.neighbours import (
     order_along_x,
     places_in_order,
 )
-from pipeline.simulation.characters.passage_lanes import forbid_other_lane, take_lane
+from pipeline.simulation.characters.passage_lanes import (
+    forbid_other_lane,
+    leave_lane,
+    share_lane,
+    take_lane,
+)
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.characters.right_of_way import (
     MOST_SHARED,
+    PATIENCE,
     hold_up_one_another,
     lag_at_crossing,
     lag_at_passage,
@@ -76,13 +82,14 @@ STANDING_HORIZON = 1.2  # of a walker in a crowd that is held up, for people who
 SQUEEZING_HORIZON = 1.2  # of one that squeezes through: with more it stops far before a row [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
-WALL_SIGHT = 9.0  # of walls, between which it sees openings [m]
+WALL_SIGHT = 14.0  # of walls, between which it sees openings [m]
 COMPANION_SPACE = 0.4  # of those who walk together
+LANE_HORIZON = 0.7  # of those in one lane of an opening [s]
+LANE_SPACE, SWAY = 0.36, 0.06  # of the same, in heights; more at a speed [heights / (m/s)]
 TIGHT_SPACE = 0.36  # of one who squeezes through, by walkers
 STANDING_SPACE = 0.3  # the same, by those who stand and swing no legs
 STANDING_ROOM = 0.34  # around those in a crowd, or nobody would pass between rows that have arrived
 SLOW = 0.4  # part of the wanted speed below which a walker begins to squeeze through
-PATIENCE = 0.4  # of a walker before it squeezes through
 SQUEEZING, CROWD_SQUEEZING = 0.028, 0.012  # change of that in a look; in a crowd
 THRONG_SIDESTEP = 0.3  # from which it is others that keep a walker, relative to its speed
 SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
@@ -119,6 +126,7 @@ def avoid_people(persons: Records, owners: Records, solids: Solids) -> None:
             person.detour, person.impatience, person.held_up = 0.0, -PATIENCE, 0.0
             person.lateness, person.in_throng = 0.0, False
             person.arms_wanted_in = 0.0
+            leave_lane(person)
             person.wanted_sidestep[0] = person.wanted_sidestep[1] = 0.0
             make_way(persons, places, order, n, near)
         else:
@@ -230,6 +238,10 @@ def _forbid_people(
         if in_crowd and not other.has_goal:
             waited = min(1.0 + person.impatience / PATIENCE, 1.0)
             horizon += waited * (STANDING_HORIZON - HORIZON)
+        if share_lane(person, other):
+            horizon = LANE_HORIZON
+            swaying = SWAY * hypotenuse(person.velocity[0], person.velocity[1])
+            own_space = min(own_space, LANE_SPACE + swaying)
         lag, firmness = 0.0, FIRMNESS
         if in_crowd and _shares_way(person, other):
             lag = lag_at_passage(person, other)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_controller import PersonController
@@ -22,9 +21,6 @@ from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.spec.character import Character
 from pipeline.spec.script import Perform
-
-if TYPE_CHECKING:
-    from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 
 GAZE_DISTANCE = 3.0
 """Of the place ahead of the head that a dancing person looks at [m]."""
@@ -112,17 +108,16 @@ def rest_dances(persons: Records) -> None:
 
 
 def dance_contacts(
-    dispatcher: TaskDispatcher,
+    dances: Iterable[tuple[PersonController, Dance]],
     cast: Sequence[Character],
     clothes: Mapping[str, Clothes],
     step: int,
 ) -> tuple[Contact, ...]:
     """Return the strikes of hands of people that dance, as contacts of a step."""
     found = list[Contact]()
-    for k, task in dispatcher.busy(Dance):
+    for controller, task in dances:
         if not task.strikes:
             continue
-        controller = dispatcher.controllers[k]
         person, name = controller.record, controller.name
         proportions = proportions_of(cast[int(person.owner)])
         assert proportions is not None

@@ -10,20 +10,18 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID, CharacterArrays, IntArray
+from pipeline.simulation.characters.carousel_places import CarouselPose, CarouselSurvey
 from pipeline.simulation.characters.deck_motion import STEEPEST_DECK
 from pipeline.simulation.characters.person_record import NODE_COUNT, STANCE
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.dynamics.compiled import Record, Records, bound, compiled, entry
 from pipeline.simulation.dynamics.vectors import hypotenuse
 from pipeline.simulation.spatial import Array
-
-if TYPE_CHECKING:
-    from pipeline.simulation.characters.carousel_pose import CarouselPose, CarouselSurvey
 
 NEAR_DECK = 1.5  # from the edge of a merry-go-round, within which a person heeds its deck [m]
 EDGE_ROOM = 0.15  # from the edge of a deck, farther in than which people start on it [m]

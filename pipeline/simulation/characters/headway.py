@@ -1,7 +1,8 @@
 """Headway: how fast walkers may go behind others, and past them.
 
 Who comes too near behind another treads on its heels, and a leg that swings past another closely
-and fast strikes it.
+and fast strikes it. In the lane of an opening walkers close up, in files that keep apart; of two
+that come together before it, the one that is nearer goes on.
 
 Source: Seyfried, Steffen, Klingsch, Boltes, The fundamental diagram of pedestrian movement
 revisited, 2005: the time to the one ahead.
@@ -13,11 +14,17 @@ import math
 
 from pipeline.simulation.characters.arm_clearance import least_distance
 from pipeline.simulation.characters.neighbours import Numbers
+from pipeline.simulation.characters.passage_lanes import goes_before, share_lane
 from pipeline.simulation.characters.walking_group import walks_with
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 
 HEADWAY_TIME = 1.06  # to the one ahead [s]
 BODY_DEPTH, LANE = 0.21, 0.25  # distance of those who stand; half width of a lane, in heights
+
+# Of those in one lane of an opening: time to the one ahead [s], half width of a file, in heights.
+FILE_HEADWAY_TIME, FILE = 0.68, 0.27
+
+LANE_EDGE, FILE_EDGE = 2, 8  # powers of the distance aside, by which those there hinder less
 SLOWEST = 0.15  # behind others [m/s]
 SAME_WAY = 0.5  # part of its speed at which others go ahead of a walker outside a crowd
 
@@ -53,10 +60,14 @@ def headway_share(
         dx, dz = other.at[0] - person.at[0], other.at[1] - person.at[1]
         size = 0.5 * (person.height + other.height)
         ahead, aside = (dx * x + dz * z) / speed, abs(dz * x - dx * z) / speed
-        if ahead > 0.0 and aside < LANE * size:
-            room = max(ahead - BODY_DEPTH * size, 0.0) / HEADWAY_TIME
-            # Those at the edge of the lane hinder less.
-            limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / (LANE * size)) ** 2, 1e-3))
+        time, width, edge = HEADWAY_TIME, LANE * size, LANE_EDGE
+        if in_crowd and share_lane(person, other):
+            if goes_before(person, other):
+                continue
+            time, width, edge = FILE_HEADWAY_TIME, FILE * size, FILE_EDGE
+        if ahead > 0.0 and aside < width:
+            room = max(ahead - BODY_DEPTH * size, 0.0) / time
+            limit = min(limit, max(room, SLOWEST) / max(1.0 - (aside / width) ** edge, 1e-3))
     return limit / speed
 
 

@@ -8,7 +8,6 @@ has nothing to do turns to who hugs it.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,10 +17,8 @@ from pipeline.simulation.characters.person_record import STANDING
 from pipeline.simulation.characters.person_tasks import StandUp, Turn, Walk
 from pipeline.simulation.characters.pursuit_tasks import WalkUp
 from pipeline.simulation.characters.second_try import StepAside
+from pipeline.simulation.characters.task_book import TaskBook
 from pipeline.spec.gesture import REFUSE
-
-if TYPE_CHECKING:
-    from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 
 GOING = Walk, WalkUp
 """Tasks that end somewhere, and that a hug may interrupt."""
@@ -44,7 +41,7 @@ class HugReception:
         paused: people whose walk rests for a hug, and who hugs each of them, by index.
     """
 
-    def __init__(self, dispatcher: TaskDispatcher) -> None:
+    def __init__(self, dispatcher: TaskBook) -> None:
         self.paused = dict[int, int]()
         self._dispatcher = dispatcher
         self._waited = dict[int, float]()

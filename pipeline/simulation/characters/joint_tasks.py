@@ -6,7 +6,6 @@ Places that are shared, loads that two carry, and things that one asks another f
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
@@ -14,13 +13,11 @@ from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, hold
 from pipeline.simulation.characters.handling_tasks import CarryTo
 from pipeline.simulation.characters.hug_tasks import Hug, LoosenHug
 from pipeline.simulation.characters.person_tasks import SitDown, Task
+from pipeline.simulation.characters.task_book import TaskBook
 from pipeline.spec.gesture import REFUSE
 
-if TYPE_CHECKING:
-    from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 
-
-def share_slots(people: TaskDispatcher) -> None:
+def share_slots(people: TaskBook) -> None:
     """Let those who need slots take them, the nearest first."""
     waiting = [
         (task.slot_distance(controller), controller.name, task, controller)
@@ -33,7 +30,7 @@ def share_slots(people: TaskDispatcher) -> None:
         task.take_slot(controller)
 
 
-def form_crews(people: TaskDispatcher) -> None:
+def form_crews(people: TaskBook) -> None:
     """Let two who are told to carry the same thing to the same place do that together."""
     loads: dict[tuple[str, str], list[int]] = {}
     for k, task in people.busy(CarryTo):
@@ -49,14 +46,14 @@ def form_crews(people: TaskDispatcher) -> None:
             people.replace(k, CarryEnd(crew, number))
 
 
-def advance_crews(people: TaskDispatcher, dt: float) -> None:
+def advance_crews(people: TaskBook, dt: float) -> None:
     """Advance what pairs carry by a step of `dt` [s], once for the two."""
     for _, task in people.busy(CarryEnd):
         if task.number == 0:
             task.crew.advance(dt)
 
 
-def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[int, HandOver]:
+def ask_holders(people: TaskBook, asked: list[float], dt: float) -> dict[int, HandOver]:
     """Return what is handed over, by the giver; askers of a busy holder wait.
 
     Args:
@@ -92,7 +89,7 @@ def ask_holders(people: TaskDispatcher, asked: list[float], dt: float) -> dict[i
     return givings
 
 
-def stand_to_give(people: TaskDispatcher, givings: Mapping[int, HandOver]) -> set[int]:
+def stand_to_give(people: TaskBook, givings: Mapping[int, HandOver]) -> set[int]:
     """Let people with a mind stand who hold out what another comes for; return their indices.
 
     They leave off what they do of their own will, but for sitting and for a hug.

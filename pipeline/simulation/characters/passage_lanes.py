@@ -4,9 +4,11 @@ Without that, two streams that meet in an opening stand before one another, mixe
 width. So a walker that will meet others between two walls aims at the right half of the opening,
 already at some distance, and does not go beyond its middle before it is through: those who come out
 find their half free, in front of the opening as well. Who comes from the left waits farther off.
+Those in one lane close up, or fewer would pass than do among real people.
 
-Source: Helbing, Molnár, Farkas, Bolay 2001: of two doors each comes to serve one stream, and they
-let more people through than one that both share.
+Sources: Helbing et al. 2001: of two doors each comes to serve one stream, and they let more people
+through than one that both share. Hoogendoorn and Daamen 2005: in a bottleneck people walk in files
+that overlap like the teeth of a zip.
 """
 
 from __future__ import annotations
@@ -22,16 +24,18 @@ from pipeline.simulation.dynamics.vectors import Vector, hypotenuse
 from pipeline.simulation.spatial import Array
 
 NARROWEST, WIDEST = 1.4, 8.0  # opening with two lanes; with room enough without them [m]
-LANE_RANGE = 9.0  # before an opening, in which walkers take their lane [m]
+LANE_RANGE = 14.0  # before an opening, in which walkers take their lane [m]
 LANE_END, FADING = 4.0, 2.0  # behind it, in which they keep it, at last less and less [m]
 ROUND_WALL = 1.5  # from an opening to the places on ways around its walls [m]
 AT_WALL = 0.2  # from the edge of an opening to where ways go through it [m]
-SEEN_BEFORE = 10.0  # distance at which others that come the other way are seen [m]
+SEEN_BEFORE = 14.0  # distance at which others that come the other way are seen [m]
 OPPOSITE = 0.5  # cosine of the angle between their way and the opposite of one's own
 MANY = 3  # who come the other way, for whom a walker keeps wholly to its lane
 MIDDLE_ROOM, WALL_ROOM = 0.3, 0.5  # of a walker's middle to that of the opening, to a wall [m]
 KEPT = 0.5  # of the former, that a walker in its lane keeps
 READY = 2.0  # distance before the opening at which a walker is in its lane [m]
+NEAR_LANE = 4.0  # distance before the opening at which a walker does not leave its lane [m]
+LIKE_SPEED = 0.6  # most that the velocities of those differ who walk alike [m/s]
 LEAST_RUN = 0.4  # along the way, in which it gets into it [m]
 NEARLY = 0.5  # distance from its lane at which it goes on all the same [m]
 MOST_BACK = 0.5  # way back, to get into it in front of those who come out [m]
@@ -87,7 +91,7 @@ def take_lane(
         z: of the same.
     """
     person = persons[order[n]]
-    person.lane_room = math.inf
+    leave_lane(person)
     if len(walls) < 2 or hypotenuse(x, z) < 0.1:
         return x, z
     for i in range(len(walls)):
@@ -102,6 +106,13 @@ def take_lane(
                 if share > 0.0:
                     return _turned_to_lane(person, opening, share, x, z)
     return x, z
+
+
+@inlined
+def leave_lane(person: Record) -> None:
+    """Let a person keep to no lane."""
+    person.lane_room = math.inf
+    person.lane_right[0] = person.lane_right[1] = 0.0
 
 
 @inlined
@@ -165,6 +176,9 @@ def _met_share(
         to_x, to_z = other.goal[0] - other.at[0], other.goal[1] - other.at[1]
         along = to_x * opening.ahead_x + to_z * opening.ahead_z
         is_ahead = x * opening.ahead_x + z * opening.ahead_z > 0.0
+        past_x, past_z = other.goal[0] - opening.x, other.goal[1] - opening.z
+        if past_x * opening.ahead_x + past_z * opening.ahead_z > ROUND_WALL:
+            continue  # It stays behind the opening.
         if is_ahead and along < -OPPOSITE * hypotenuse(to_x, to_z):
             count += 1
     return min(count / MANY, 1.0)
@@ -191,7 +205,9 @@ def _turned_to_lane(
     share *= min(max((LANE_END + left) / FADING, 0.0), 1.0)
     speed = hypotenuse(x, z)
     person.lane_right[0], person.lane_right[1] = right_x, right_z
-    if left < 2.0 * READY:
+    outside = max(max(low - aside, aside - high), 0.0)
+    person.lane_left = hypotenuse(left, outside) if left > 0.0 else left
+    if left < NEAR_LANE:
         person.lane_room = max(aside - KEPT * low, 0.0)
     return x + share * (speed * lane_x / size - x), z + share * (speed * lane_z / size - z)
 
@@ -215,3 +231,24 @@ def way_in_lane(person: Record, x: float, z: float, farthest: float) -> float:
     if person.lane_room == math.inf or leaving <= 0.0:
         return farthest
     return min(person.lane_room / leaving, farthest)
+
+
+@inlined
+def share_lane(person: Record, other: Record) -> bool:
+    """Tell whether two people go along the same lane of an opening.
+
+    Far from it some still cross the ways of others.
+    """
+    x, z = person.lane_right[0], person.lane_right[1]
+    if x * other.lane_right[0] + z * other.lane_right[1] <= 0.0:
+        return False
+    x, z = person.velocity[0] - other.velocity[0], person.velocity[1] - other.velocity[1]
+    is_near: bool = max(person.lane_left, other.lane_left) < NEAR_LANE
+    return is_near or hypotenuse(x, z) < LIKE_SPEED
+
+
+@inlined
+def goes_before(person: Record, other: Record) -> bool:
+    """Tell whether a person near an opening is nearer to it than another in its lane."""
+    result: bool = person.lane_left < min(other.lane_left, NEAR_LANE)
+    return result

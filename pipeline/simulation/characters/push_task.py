@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.carousel_pose import CarouselPose, carousel_pose
+from pipeline.simulation.characters.carousel_places import CarouselPose
+from pipeline.simulation.characters.carousel_pose import carousel_pose
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text, shoulder_height
 from pipeline.simulation.characters.playthings import SPOKES
@@ -206,7 +207,7 @@ class PushRound(Task):
         ring = stance_of(controller, carousel).ring
         place = carousel.place(carousel.angle_of(*controller.record.at.tolist()), ring)
         self.stick(self.approach.walk_to(controller, place, 0.0, self.owner, dt), self.approach)
-        self.is_at_rim = carousel.distance(controller) < ring + NEAR_RING
+        self.is_at_rim = controller.ground_distance(carousel.hub) < ring + NEAR_RING
 
     def _walk_round(
         self, controller: PersonController, carousel: CarouselPose, stance: Stance, number: int

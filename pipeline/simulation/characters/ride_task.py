@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.simulation.characters.carousel_places import CarouselPose
 from pipeline.simulation.characters.carousel_pose import (
     GAP_TOLERANCE,
     OUTSIDE,
-    CarouselPose,
     carousel_pose,
     way_across_rim,
 )
@@ -154,7 +154,7 @@ class RideCarousel(Ride):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         carousel = carousel_pose(controller.view, self.owner)
-        distance = carousel.distance(controller)
+        distance = controller.ground_distance(carousel.hub)
         self._announce(controller, distance < carousel.radius + ANNOUNCING_DISTANCE)
         self.is_at_still_rim = False
         if self.is_there:

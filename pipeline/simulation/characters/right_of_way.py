@@ -15,6 +15,8 @@ from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
 HELD_UP = 0.9  # impatience of two who hold one another up
 LEAST_SINE, SURE_SINE = 0.3, 0.6  # of the angle of two ways that cross; that certainly do
 LEAD = 1.0  # that is certain: difference of the distances to the crossing [m]
+WAITED_LEAD = 0.1  # the same for two that have waited for one another [m]
+PATIENCE = 0.4  # of a walker before it squeezes through
 MOST_SHARED = 0.4  # of the way to be made, beyond the half, that is left to the second
 
 
@@ -35,7 +37,10 @@ def lag_at_crossing(one: Record, other: Record) -> float:
     own_left = (x * bz - z * bx) / cross * math.hypot(ax, az)
     other_left = (x * az - z * ax) / cross * math.hypot(bx, bz)
     certainty = min((abs(sine) - LEAST_SINE) / (SURE_SINE - LEAST_SINE), 1.0)
-    return certainty * min(max((own_left - other_left) / LEAD, -1.0), 1.0)
+    # The longer both wait, the less of a lead decides.
+    waited = 1.0 + min(one.impatience, other.impatience) / PATIENCE
+    lead = LEAD + min(max(waited, 0.0), 1.0) * (WAITED_LEAD - LEAD)
+    return certainty * min(max((own_left - other_left) / lead, -1.0), 1.0)
 
 
 @compiled

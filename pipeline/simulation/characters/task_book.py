@@ -13,6 +13,8 @@ import numpy as np
 
 from pipeline.simulation.characters.character_view import CharacterView
 from pipeline.simulation.characters.contact_tasks import Grab, Reach
+from pipeline.simulation.characters.crew import CarryEnd
+from pipeline.simulation.characters.dance_task import Dance
 from pipeline.simulation.characters.gaze_choice import GazeChoice
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
 from pipeline.simulation.characters.hug_tasks import STEP_BACK, Hug, LoosenHug
@@ -60,6 +62,10 @@ ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 """Tasks that leave empty hands in the air when they are broken off."""
 
 
+BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt, Dance)
+"""Tasks that are not left off for a hug."""
+
+
 class TaskBook:
     """The tasks and orders of all acting people of a troupe.
 
@@ -74,12 +80,14 @@ class TaskBook:
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
         gestures: that people are to begin, by their index: kind and name of the target.
+        giving: indices of people with a mind who stand and hold out what another comes for.
     """
 
     def __init__(self, view: CharacterView, persons: Records) -> None:
         self.view = view
         self.minded: Mapping[int, Consent] = {}
         self.gestures = list[tuple[int, str, str]]()
+        self.giving = set[int]()
         self.controllers = [
             PersonController(view.names[owner], record_view(persons, k), view)
             for k, owner in enumerate(persons["owner"].tolist())
@@ -126,6 +134,17 @@ class TaskBook:
             tasks = enumerate(self._tasks)
             self._busy[kind] = tuple((k, task) for k, task in tasks if isinstance(task, kind))
         return self._busy[kind]
+
+    def refusal_to_hug(self, k: int, asker: int) -> str:
+        """Return why a person does not let a character hug it, "" if it does."""
+        if k in self.minded and not self._ordered[k]:
+            return self.minded[k].refusal(asker)
+        task = self._tasks[k]
+        if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
+            return f"hugs {self.view.names[task.owner]}"
+        is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
+        words = "dances" if isinstance(task, Dance) else "has its hands full"
+        return words if is_busy else ""
 
     def begin(self, k: int, task: Task) -> None:
         """Start a task of a person's own choice."""

@@ -14,14 +14,10 @@ from pipeline.simulation.characters import joint_tasks
 from pipeline.simulation.characters.act_things import mark_act_things
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.character_view import CharacterView
-from pipeline.simulation.characters.crew import CarryEnd
-from pipeline.simulation.characters.dance_task import Dance
 from pipeline.simulation.characters.gaze_targets import look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import HandOver
-from pipeline.simulation.characters.handling_tasks import CarryTo, ThrowAt
 from pipeline.simulation.characters.hug_reception import HugReception
-from pipeline.simulation.characters.hug_tasks import Hug
 from pipeline.simulation.characters.ordered_tasks import members_named
 from pipeline.simulation.characters.person_controller import (
     PersonController,
@@ -47,9 +43,6 @@ from pipeline.spec.keyframes import PoseKey
 NO_FACTS = Facts()
 """Of a step in which people do nothing to be told."""
 
-BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt, Dance)
-"""Tasks that are not left off for a hug."""
-
 WIDE_GRIP = 0.3
 """How far hands close that hold a thing between them, in how far one closes around a thing."""
 
@@ -68,7 +61,6 @@ class TaskDispatcher(TaskBook):
 
     Attributes:
         suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
-        giving: indices of people with a mind who stand and hold out what another comes for.
     """
 
     def __init__(
@@ -79,7 +71,7 @@ class TaskDispatcher(TaskBook):
         poses: Mapping[str, Sequence[PoseKey]] | None = None,
     ) -> None:
         super().__init__(view, persons)
-        self.suspended, self.giving = set[int](), set[int]()
+        self.suspended = set[int]()
         self._dt, self._steps = dt, 0
         # Who had something to do in this step.
         self._acting = list[int]()
@@ -117,19 +109,6 @@ class TaskDispatcher(TaskBook):
             if controller.avoided or controller.held_members:
                 found.update(controller.avoided, controller.held_members.values())
         return found - view.places.keys()
-
-    # --- for hugs -------------------------------------------------------------------------
-
-    def refusal_to_hug(self, k: int, asker: int) -> str:
-        """Return why a person does not let a character hug it, "" if it does."""
-        if k in self.minded and not self._ordered[k]:
-            return self.minded[k].refusal(asker)
-        task = self._tasks[k]
-        if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
-            return f"hugs {self.view.names[task.owner]}"
-        is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
-        words = "dances" if isinstance(task, Dance) else "has its hands full"
-        return words if is_busy else ""
 
     # --- for minds ------------------------------------------------------------------------
 

@@ -165,9 +165,14 @@ def test_hands_follow_the_posts_of_a_turning_merry_go_round_from_step_to_step() 
         assert max(found) < 3.0 * moved
 
 
-def test_a_rider_sees_where_a_merry_go_round_carries_it() -> None:
-    play = play_scene(f"duration: 9\n{PUSHED_RIDE}")
+@pytest.mark.parametrize(("sense", "spin_deg"), [(1.0, 0.0), (-1.0, -20.0)])
+def test_a_rider_sees_where_a_merry_go_round_carries_it(sense: float, spin_deg: float) -> None:
+    # Who pushes goes on as it turns already.
+    turning = f"character: merry-go-round, spin_deg: [0, {spin_deg}, 0]"
+    ride = PUSHED_RIDE.replace("character: merry-go-round", turning)
+    play = play_scene(f"duration: 9\n{ride}")
     rider, now = play.records[6 * STEPS :, 1], 6 * STEPS
+    assert (sense * _turn_rate(play)[now:]).min() > 0.3
     v = np.diff(play.joint("rider", "pelvis")[now:, ::2], axis=0)
     way = np.arctan2(-v[:, 1], v[:, 0])
     assert np.hypot(*v.T).mean() * STEPS > 0.3

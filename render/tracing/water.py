@@ -69,6 +69,9 @@ in lines."""
 _BREAKER_LENGTHS = (8.0, 3.1)
 """Lengths of the bends and of the gaps of a line of breakers [m]."""
 
+_BREAKERS_FULL = 0.02
+"""Mean height of waves beyond that of the first foam at which they break fully [m]."""
+
 _BREAKER_PERIOD = 5.2
 """Time from one breaker to the next [s]."""
 
@@ -171,7 +174,7 @@ class Water:
             mi.Color3f(foam.tolist()),
             mi.Float(_FOAM_CALM + _FOAM_PER_HEIGHT * height),
             mi.Float(min(_SHARE_PER_HEIGHT * max(height - _FOAM_FROM, 0.0), _FOAM_MOST)),
-            mi.Float(surface.surf),
+            mi.Float(surface.surf * min(max(height - _FOAM_FROM, 0.0) / _BREAKERS_FULL, 1.0)),
             mi.Float(0.0),
             mi.Float(1e-3),
             _mean_focus(waves),

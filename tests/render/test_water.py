@@ -132,8 +132,8 @@ def test_breakers_run_up_the_shore_of_a_sea_alone(renderer: Renderer) -> None:
     p = mi.Point3f(x, np.zeros_like(x), np.zeros_like(x))
     depth = 0.05 * x
 
-    def foam(preset: str, time: float) -> np.ndarray:
-        optics = Optics.of(surface(preset=preset, waves="breeze"), np.ones(3), time)
+    def foam(preset: str, time: float, waves: str = "breeze") -> np.ndarray:
+        optics = Optics.of(surface(preset=preset, waves=waves), np.ones(3), time)
         share = optics.foam_share(p, mi.Float(depth), mi.Normal3f(0.0, 1.0, 0.0))
         return np.array(share)
 
@@ -144,6 +144,7 @@ def test_breakers_run_up_the_shore_of_a_sea_alone(renderer: Renderer) -> None:
     offshore = (depth > 0.3) & (depth < 1.2)
     assert foam("sea", 1.0)[offshore].max() > 0.3
     assert foam("lake", 1.0)[offshore].max() == 0.0
+    assert foam("sea", 1.0, "calm")[offshore].max() == 0.0
     assert foam("sea", 1.0)[depth > 2.0].max() == 0.0
     assert crest(0.4) - 4.0 < crest(0.9) < crest(0.4)
 

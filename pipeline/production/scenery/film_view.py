@@ -41,7 +41,8 @@ CHUNK = 1 << 21
 """Pairs of places and poses that are looked at together."""
 
 UNDERFOOT = 0.06
-"""Height up to which a thing hides nothing of what stands on the ground [m]: moss and the like."""
+"""Usual height up to which a thing may stand before a target [m]: moss and the like, between whose
+cushions the ground would else show bare."""
 
 
 @dataclass(frozen=True, eq=False)

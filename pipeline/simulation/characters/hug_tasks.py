@@ -72,7 +72,7 @@ class HugShape:
 
 HUG = HugShape()
 
-WRAP_POINTS = 24
+WRAP_POINTS = 24  # corners of the oval that arms go around
 
 STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
@@ -85,7 +85,7 @@ HUG_HELD = 0.08  # from touching, within which two are together [m]
 HUG_PATIENCE = 3.0  # of one that gets no nearer with its arms closed [s]
 TURNING_ROOM = 1.3  # from touching, left to a partner that turns, in the distance of touching
 WAITING_ROOM = 1.5  # from touching, left to a partner that walks, in arm lengths
-EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders without a bow, in arm lengths
+EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders of one that does not face its partner
 FACING = math.radians(40.0)  # turned away by less, one bows to a partner
 BACK_HEIGHT = 0.65  # of hands on a back, from the pelvis up to the shoulders
 TOUCHING = 0.5  # share of the closing time after which arms touch a partner
@@ -279,8 +279,8 @@ def place_on_back(
         hug: the partner and its size.
         k: number of the hand.
         level: height on the back [m].
-        opening: how far the arms are open, from 1 beside the partner to 0 on its back; and how far
-            they are off its trunk [m].
+        opening: how far the arms are open, from 0 on the partner's back to 1 beside it and beyond
+            where they receive it; and how far they are off its trunk [m].
     """
     height, size = float(controller.record.height), hug.size
     ahead = controller.direction_to(controller.view.pelvis(hug.owner))
@@ -308,7 +308,7 @@ def place_on_back(
 def wrapped(
     start: tuple[float, float], oval: tuple[float, float], end: float, length: float
 ) -> tuple[float, float]:
-    """Return (2,) the end of a string around an oval: behind its middle, and beside it [m].
+    """Return where a string around an oval ends: behind its middle, and beside it [m].
 
     Args:
         start: of the string, likewise.

@@ -56,8 +56,8 @@ class PersonController:
         view: all characters.
         held_members: members of other rooms in its hands, by the number of the hand.
         grip_changes: of this step.
-        touched: names of those that its hands closed around in this step; hands stop short of
-            their surfaces.
+        touched: names of those that its hands or arms closed around in this step; both stop short
+            of their surfaces.
         kicked_bodies: bodies of another room that it kicks in this step, and their velocities
             (3,) from then on [m/s].
         avoided: distance at which it keeps off targets, by name [m].

@@ -152,6 +152,16 @@ def test_no_shrub_hides_the_feet_of_the_target_and_grass_may() -> None:
     assert not VIEW.in_the_way(*aside, hides=True).any()
 
 
+def test_moss_grows_before_the_target_but_not_at_the_lens() -> None:
+    # On a rise whose top is as high as the line of sight.
+    target, eye = np.array(POSES[0].p_WT), np.array(POSES[0].p_WC)
+    rise = target + 0.1 * (eye - target)
+    radii = np.array([0.1])
+    assert not VIEW.in_the_way(rise[None], np.array([0.05]), radii).any()
+    assert VIEW.in_the_way(rise[None], np.array([0.07]), radii).all()
+    assert VIEW.in_the_way(eye[None], np.array([0.05]), radii).all()
+
+
 def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurface) -> None:
     placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
     placed = [placement.placed(Wanted(name, 1.0)) for name in ("dry grass", "sedge", "boulder")]

@@ -394,7 +394,7 @@ def test_who_walks_about_behind_an_opening_is_not_met_in_it(
     monkeypatch.setattr(passage_lanes, "find_within", find_within.py_func)  # type: ignore[attr-defined]
     monkeypatch.setattr(passage_lanes, "hypotenuse", math.hypot)
     two = zero_records(2, PERSON)
-    two["at"], two["has_goal"], two["partner"] = [[2.0, 0.5], [4.0, 0.0]], True, -1
+    two["at"], two["has_goal"], two["partner"] = [[-5.0, 0.5], [4.0, 0.0]], True, -1
     two["owner"] = 0, 1
     opening = passage_lanes.Opening(0.0, 0.0, 1.0, 0.0, 5.0, -2.0, 0.5)
     order, near = np.arange(2), np.zeros(2, dtype=np.int64)

@@ -60,8 +60,11 @@ def test_a_string_goes_around_an_oval_as_far_as_it_reaches() -> None:
     assert (np.diff(ends[:, 0]) > 0.0).all()
     last = oval[0] * math.sin(math.radians(70.0)), oval[1] * math.cos(math.radians(70.0))
     assert ends[-1] == pytest.approx(last)
-    # From above the middle it goes to the back, and not to the front.
+    # From beside the middle it goes to the back, and not to the front; from inside, too.
     assert wrapped((0.0, 0.2), oval, math.radians(70.0), 0.25)[0] > 0.05
+    inside = np.array(wrapped((0.02, 0.12), oval, math.radians(70.0), 0.2))
+    assert inside[0] > 0.05
+    assert np.hypot(*(inside / oval)) == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.slow

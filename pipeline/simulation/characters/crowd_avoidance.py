@@ -178,6 +178,8 @@ def _choose_sidestep(
         wanted_x, wanted_z = take_lane(
             persons, places, order, n, near, barriers[:found], solids, wanted_x, wanted_z
         )
+    else:
+        leave_lane(person)
     x, z, in_crowd = head_for_gap(
         persons, places, order, n, near, seen, barriers[:found], solids, wanted_x, wanted_z
     )

@@ -34,7 +34,9 @@ MANY = 3  # who come the other way, for whom a walker keeps wholly to its lane
 MIDDLE_ROOM, WALL_ROOM = 0.3, 0.5  # of a walker's middle to that of the opening, to a wall [m]
 KEPT = 0.5  # of the former, that a walker in its lane keeps
 READY = 2.0  # distance before the opening at which a walker is in its lane [m]
-NEAR_LANE = 4.0  # distance before the opening at which a walker does not leave its lane [m]
+NEAR_LANE = 4.0  # distance before the opening from which lanes are kept, and orders in them [m]
+SAME_OPENING = 2.0  # between the middles of openings that are one, also in a corridor [m]
+ABREAST = 0.05  # difference of ways to a lane at which none is the nearer [m]
 LIKE_SPEED = 0.6  # most that the velocities of those differ who walk alike [m/s]
 LEAST_RUN = 0.4  # along the way, in which it gets into it [m]
 NEARLY = 0.5  # distance from its lane at which it goes on all the same [m]
@@ -205,8 +207,9 @@ def _turned_to_lane(
     share *= min(max((LANE_END + left) / FADING, 0.0), 1.0)
     speed = hypotenuse(x, z)
     person.lane_right[0], person.lane_right[1] = right_x, right_z
+    person.lane_middle[0], person.lane_middle[1] = opening.x, opening.z
     outside = max(max(low - aside, aside - high), 0.0)
-    person.lane_left = hypotenuse(left, outside) if left > 0.0 else left
+    person.way_to_lane = hypotenuse(left, outside) if left > 0.0 else left
     if left < NEAR_LANE:
         person.lane_room = max(aside - KEPT * low, 0.0)
     return x + share * (speed * lane_x / size - x), z + share * (speed * lane_z / size - z)
@@ -242,13 +245,17 @@ def share_lane(person: Record, other: Record) -> bool:
     x, z = person.lane_right[0], person.lane_right[1]
     if x * other.lane_right[0] + z * other.lane_right[1] <= 0.0:
         return False
+    x = person.lane_middle[0] - other.lane_middle[0]
+    z = person.lane_middle[1] - other.lane_middle[1]
+    if hypotenuse(x, z) > SAME_OPENING:
+        return False
     x, z = person.velocity[0] - other.velocity[0], person.velocity[1] - other.velocity[1]
-    is_near: bool = max(person.lane_left, other.lane_left) < NEAR_LANE
+    is_near: bool = max(person.way_to_lane, other.way_to_lane) < NEAR_LANE
     return is_near or hypotenuse(x, z) < LIKE_SPEED
 
 
 @inlined
 def goes_before(person: Record, other: Record) -> bool:
     """Tell whether a person near an opening is nearer to it than another in its lane."""
-    result: bool = person.lane_left < min(other.lane_left, NEAR_LANE)
+    result: bool = person.way_to_lane < min(other.way_to_lane - ABREAST, NEAR_LANE)
     return result

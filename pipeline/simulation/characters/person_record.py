@@ -160,11 +160,13 @@ PERSON = np.dtype(
         ("has_passage", "?"),
         ("passage", "f8"),
         # Unit vector to the right of its way through an opening that others come through, 0 where
-        # there is none; how far it may go to the left of it, ∞ where that does not matter [m]; and
-        # its way to where its lane leads through, less than 0 behind that [m].
+        # there is none; the middle of the opening [m]; how far it may go to the left of its lane,
+        # ∞ where that does not matter [m]; and its way to where its lane leads through, less than 0
+        # behind that [m].
         ("lane_right", "f8", 2),
+        ("lane_middle", "f8", 2),
         ("lane_room", "f8"),
-        ("lane_left", "f8"),
+        ("way_to_lane", "f8"),
         # How much it squeezes through where it gets no further, 0 to 1.
         ("impatience", "f8"),
         # By how much others, rather than walls, change its velocity [m/s].

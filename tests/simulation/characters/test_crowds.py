@@ -137,7 +137,7 @@ def test_walkers_in_one_lane_of_an_opening_close_up_in_files(
     persons["height"] = 1.72
     persons["lane_right"][:, 1] = 1.0
     persons["at"][1] = ahead, aside
-    persons["lane_left"] = 1.0, 1.0 - ahead
+    persons["way_to_lane"] = 1.0, 1.0 - ahead
     assert speed_behind(persons, monkeypatch) == pytest.approx(fastest, abs=0.01)
 
 
@@ -148,10 +148,18 @@ def test_of_two_who_come_together_before_an_opening_the_nearer_goes_on(
     persons["height"] = 1.72
     persons["lane_right"][:, 1] = 1.0
     persons["at"][1] = 0.4, 0.2
-    persons["lane_left"] = 0.8, 0.5
+    persons["way_to_lane"] = 0.8, 0.5
     assert speed_behind(persons, monkeypatch) < 0.2
-    persons["lane_left"] = 0.5, 0.8
+    persons["way_to_lane"] = 0.5, 0.8
     assert speed_behind(persons, monkeypatch) == 1.3
+    # Abreast none is the nearer, whatever the last bits say.
+    persons["way_to_lane"] = 0.8 - 1e-12, 0.8
+    assert speed_behind(persons, monkeypatch) < 0.2
+    # Nor does the way to another opening count.
+    persons["way_to_lane"] = 0.5, 0.8
+    persons["lane_middle"][1] = 5.0, 0.0
+    assert speed_behind(persons, monkeypatch) < 0.2
+    persons["lane_middle"] = 0.0
     # Who comes the other way is no part of the lane.
     persons["lane_right"][1, 1] = -1.0
     assert speed_behind(persons, monkeypatch) < 0.2
@@ -163,12 +171,12 @@ def test_far_from_an_opening_only_those_who_walk_alike_share_a_lane(
     monkeypatch.setattr(passage_lanes, "hypotenuse", math.hypot)
     plain: Any = passage_lanes.share_lane
     two = zero_records(2, PERSON)
-    two["lane_right"][:, 1], two["lane_left"] = 1.0, 6.0
+    two["lane_right"][:, 1], two["way_to_lane"] = 1.0, 6.0
     two["velocity"] = [[1.0, 0.5], [1.0, 0.2]]
     assert plain.py_func(two[0], two[1])
     two["velocity"][1] = 0.0, 1.0
     assert not plain.py_func(two[0], two[1])
-    two["lane_left"] = 3.0
+    two["way_to_lane"] = 3.0
     assert plain.py_func(two[0], two[1])
     two["lane_right"][1] = 0.0
     assert not plain.py_func(two[0], two[1])

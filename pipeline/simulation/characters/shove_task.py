@@ -202,7 +202,8 @@ class Grapple(Task):
         ahead = controller.direction_to(chest)
         self._threaten(controller)
         self.most_pace = math.inf
-        controller.go(chest[0], chest[2], LUNGE * self._range(controller, chest), self.owner)
+        short = LUNGE * self._range(controller, chest) - FOLLOWING_TIME * self.encounter.leaving
+        controller.go(chest[0], chest[2], max(short, 0.0), self.owner)
         right = np.array([-ahead[2], 0.0, ahead[0]])
         is_touching = False
         for k in range(2):

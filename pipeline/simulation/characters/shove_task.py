@@ -46,6 +46,7 @@ SHOVING_PATIENCE = 3.0  # of one that is near and does not get to strike [s]
 OFF_BALANCE = 0.25  # slackness of the muscles of one that is pushed itself and cannot strike
 
 LUNGE = 0.85  # of the distance to which the person steps in as it strikes
+LUNGED_SPEED = 0.3  # of one that steps back, which the lunge makes up for while it lasts [m/s]
 DRAWN = 0.22, -0.15, 0.05  # of a drawn hand from its shoulder, ahead, up and inward, in arm lengths
 STRETCH = 1.7  # of the place to which a hand strikes, beyond its reach, for it lags behind
 PALM_DEPTH = 0.11  # of a wrist from the middle of the chest that it pushes, in heights of both
@@ -202,7 +203,9 @@ class Grapple(Task):
         ahead = controller.direction_to(chest)
         self._threaten(controller)
         self.most_pace = math.inf
-        controller.go(chest[0], chest[2], LUNGE * self._range(controller, chest), self.owner)
+        ahead_by = FOLLOWING_TIME * max(self.encounter.leaving - LUNGED_SPEED, 0.0)
+        short = max(LUNGE * self._range(controller, chest) - ahead_by, 0.0)
+        controller.go(chest[0], chest[2], short, self.owner)
         right = np.array([-ahead[2], 0.0, ahead[0]])
         is_touching = False
         for k in range(2):

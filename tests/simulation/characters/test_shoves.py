@@ -77,6 +77,23 @@ def test_a_small_child_shoves_the_belly_of_a_tall_adult() -> None:
     assert pushed[-1, 0] - pushed[0, 0] > 0.02
 
 
+@pytest.mark.parametrize("speed", [0.5, 0.7])
+def test_who_walks_off_is_followed_and_shoved(speed: float) -> None:
+    play = play_scene(
+        "duration: 4.5\n"
+        "cast:\n"
+        "  - {name: a, character: adult, at: [-1.6, 0]}\n"
+        "  - {name: b, character: adult, at: [0, 0]}\n"
+        "script:\n"
+        f"  - {{at: 0, who: b, do: {{speed: {speed}}}}}\n"
+        "  - {at: 0, who: b, do: {go_to: [9, 0]}}\n"
+        "  - {at: 0.5, who: a, do: {grapple: b}}\n"
+    )
+    arrived, fastest = play.when("a"), np.diff(play.joint("b", "pelvis")[:, 0]).max() * STEPS
+    assert arrived
+    assert fastest > speed + 0.8
+
+
 @pytest.mark.parametrize("sees_it", [True, False])
 def test_who_sees_a_push_coming_turns_away_from_it(sees_it: bool) -> None:
     scene = SCENE.replace("duration: 2.6", "duration: 3.6")

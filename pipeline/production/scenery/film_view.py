@@ -41,8 +41,8 @@ CHUNK = 1 << 21
 """Pairs of places and poses that are looked at together."""
 
 UNDERFOOT = 0.06
-"""Usual height up to which a thing may stand before a target [m]: moss and the like, between whose
-cushions the ground would else show bare."""
+"""Usual height up to which a plant may stand before a target [m]: moss and the like, without which
+the ground would show bare there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,13 @@ class FilmView:
         return np.asarray(cKDTree(self.eyes).query(points, workers=1)[0])
 
     def in_the_way(
-        self, points: Array, heights: Array, radii: Array, *, hides: bool = False
+        self,
+        points: Array,
+        heights: Array,
+        radii: Array,
+        *,
+        hides: bool = False,
+        grows: bool = False,
     ) -> NDArray[np.bool_]:
         """Return which things (N,) would stand before a camera's target.
 
@@ -146,6 +152,7 @@ class FilmView:
             heights: (N,) [m].
             radii: (N,) [m].
             hides: whether they must not stand before the feet of the target, either.
+            grows: whether they are plants, of which low ones stand in nobody's way.
         """
         result = np.zeros(len(points), bool)
         far = float(np.linalg.norm(self.targets - self.eyes, axis=-1).max())
@@ -166,7 +173,8 @@ class FilmView:
                 sight = np.minimum(sight, ground + (1.0 - t) * (self.eyes[:, 1] - ground)) - TALLEST
             free = SIGHT_RADIUS + (BESIDE * t if hides else 0.0)
             blocks = (apart < radii[some, None] + free) & (top > sight - 0.1)
-            blocks &= (heights[some] > UNDERFOOT)[:, None]
+            if grows:
+                blocks &= (heights[some] > UNDERFOOT)[:, None]
             # Nothing may touch the lens, from whichever side.
             eye = np.abs(0.5 * (points[some, 1][:, None] + top) - self.eyes[:, 1])
             lens = (np.hypot(np.linalg.norm(way, axis=-1), eye)) < 0.3 + np.hypot(

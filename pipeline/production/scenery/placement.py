@@ -339,7 +339,11 @@ class Placement:
         count = len(some)
         heights, radii = np.full(count, height), np.full(count, radius)
         free[some] = ~self.view.in_the_way(
-            points[some], heights, radii, hides=species.layer == "solid"
+            points[some],
+            heights,
+            radii,
+            hides=species.layer == "solid",
+            grows=not species.is_stone,
         )
         if height > LENS_HEIGHT and species.layer == "cover":
             # A single stalk right before the lens is no foreground.

@@ -157,9 +157,10 @@ def test_moss_grows_before_the_target_but_not_at_the_lens() -> None:
     target, eye = np.array(POSES[0].p_WT), np.array(POSES[0].p_WC)
     rise = target + 0.1 * (eye - target)
     radii = np.array([0.1])
-    assert not VIEW.in_the_way(rise[None], np.array([0.05]), radii).any()
-    assert VIEW.in_the_way(rise[None], np.array([0.07]), radii).all()
-    assert VIEW.in_the_way(eye[None], np.array([0.05]), radii).all()
+    assert not VIEW.in_the_way(rise[None], np.array([0.05]), radii, grows=True).any()
+    assert VIEW.in_the_way(rise[None], np.array([0.07]), radii, grows=True).all()
+    assert VIEW.in_the_way(rise[None], np.array([0.05]), radii).all()
+    assert VIEW.in_the_way(eye[None], np.array([0.05]), radii, grows=True).all()
 
 
 def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurface) -> None:

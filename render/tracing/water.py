@@ -413,7 +413,8 @@ class Water:
         line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
         thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
         thick *= 0.1 + 1.5 * patches * bubbles
-        broken = (0.3 + 1.2 * bubbles) * self._breakers(p, depth)
+        # Of breakers, which are seen from afar, bubbles would be noise between pixels.
+        broken = 0.9 * self._breakers(p, depth)
         shore = dr.clip((normal.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
         shore = dr.maximum(shore, _FOAM_BESIDE * dr.clip(3.0 * patches - 1.0, 0.0, 1.0))
         resting = self.foam_most * dr.clip(thick, 0.0, 1.0)

@@ -130,7 +130,7 @@ class Water:
         foam: radiance of foam on the surface.
         foam_depth: depth up to which foam lies [m].
         foam_most: share of the surface that foam hides where it is thick.
-        surf: share that the foam of breakers hides where it is thick.
+        surf: share that the foam of breakers hides where it is thick, None where none break.
         breaking: time since a line of breakers began, in their period.
         pixel: width of a pixel at a distance of 1 m [m].
         mean_focus: mean of the light pattern at some depths, by which it is divided.
@@ -146,7 +146,7 @@ class Water:
     foam: mi.Color3f
     foam_depth: mi.Float
     foam_most: mi.Float
-    surf: mi.Float
+    surf: mi.Float | None
     breaking: mi.Float
     pixel: mi.Float
     mean_focus: tuple[float, ...]
@@ -165,6 +165,7 @@ class Water:
         glow = np.asarray(surface.albedo) * np.asarray(downwelling) / np.pi
         foam = _FOAM_ALBEDO * np.asarray(downwelling) / np.pi
         height = math.sqrt(0.5 * sum(w.amplitude**2 for w in surface.waves))
+        surf = surface.surf * min(max(height - _FOAM_FROM, 0.0) / _BREAKERS_FULL, 1.0)
         made = Water(
             waves,
             mi.Float(surface.level),
@@ -174,13 +175,13 @@ class Water:
             mi.Color3f(foam.tolist()),
             mi.Float(_FOAM_CALM + _FOAM_PER_HEIGHT * height),
             mi.Float(min(_SHARE_PER_HEIGHT * max(height - _FOAM_FROM, 0.0), _FOAM_MOST)),
-            mi.Float(surface.surf * min(max(height - _FOAM_FROM, 0.0) / _BREAKERS_FULL, 1.0)),
+            dr.opaque(mi.Float, surf) if surf > 0.0 else None,
             mi.Float(0.0),
             mi.Float(1e-3),
             _mean_focus(waves),
         )
         dr.make_opaque(made.level, made.extinction, made.glow, made.pixel)
-        dr.make_opaque(made.foam, made.foam_depth, made.foam_most, made.surf)
+        dr.make_opaque(made.foam, made.foam_depth, made.foam_most)
         made.set_time(surface, time)
         return made
 
@@ -413,12 +414,14 @@ class Water:
         line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
         thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
         thick *= 0.1 + 1.5 * patches * bubbles
-        # Of breakers, which are seen from afar, bubbles would be noise between pixels.
-        broken = 0.9 * self._breakers(p, depth)
         shore = dr.clip((normal.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
         shore = dr.maximum(shore, _FOAM_BESIDE * dr.clip(3.0 * patches - 1.0, 0.0, 1.0))
-        resting = self.foam_most * dr.clip(thick, 0.0, 1.0)
-        return shore * dr.maximum(resting, self.surf * dr.clip(broken, 0.0, 1.0))
+        share = self.foam_most * dr.clip(thick, 0.0, 1.0)
+        if self.surf is not None:
+            # Breakers are seen from afar, where bubbles would be noise between pixels.
+            broken = dr.clip(0.9 * self._breakers(p, depth), 0.0, 1.0)
+            share = dr.maximum(share, self.surf * broken)
+        return shore * share
 
     def _breakers(self, p: Any, depth: Any) -> Any:
         """Return how thick foam lies of waves that break where the ground rises.

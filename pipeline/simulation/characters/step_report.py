@@ -58,7 +58,8 @@ class CryLimits:
 CRY = CryLimits()
 
 HUG_SOUND_SIZE = 0.15  # of a chest, in heights
-ARM_CLOSING_SPEED = 0.13 / HUG.closing_time  # in heights of the partner [1/s]
+# Of arms that go from beside a partner to its back, in heights of the partner [1/s].
+ARM_CLOSING_SPEED = 0.13 / HUG.closing_time
 
 
 def loudness(pain: float) -> float:

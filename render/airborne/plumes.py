@@ -33,6 +33,8 @@ _SMOKE_DEPTH = 4.5
 """Optical depth across the foot of smoke."""
 _FLAME_DEPTH = 0.35
 """Optical depth across flames."""
+_FLAME_RIM = 1.3
+"""Radius at which flames end, in the radius of their foot."""
 _FLAME_LIGHT = 1.0
 """Radiant intensity of flames for each unit of glow and square metre of their outline."""
 
@@ -156,10 +158,13 @@ class PlumeVolume:
         wave = 0.8 * up + self._seed[0]
         x = x + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 2.5) - 1.0)
         z = z + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 8.5) - 1.0)
-        # Narrow at the foot, widest low, and drawn out to a point.
-        wide = self._radius * (0.62 + 1.9 * s * (1.0 - s)) * dr.maximum(1.0 - s, 0.0) ** 0.62
-        wide = dr.maximum(wide, 0.02 * self._radius)
-        out = (x * x + z * z) / (wide * wide)
+        out = (x * x + z * z) * (size * size)
+        # Gas leaves the whole foot. It is drawn to the middle as it rises, in tongues that are each
+        # as tall as their part of the foot feeds them, so that the low flames of the rim lick
+        # around what lies there.
+        fed = noise3(1.5 * x * size + self._seed[1], 0.30 * up, 1.5 * z * size + self._seed[0])
+        tall = dr.clip(1.0 - out / _FLAME_RIM**2, 0.0, 1.0) * dr.clip(2.2 * fed - 0.25, 0.22, 1.0)
+        t = s / dr.maximum(tall, 0.02)
         # Tongues curl: the noise that parts them is bent by a slower one.
         bend = 0.55 * (0.3 + s) * self._radius
         slow = 1.3 * size
@@ -168,16 +173,16 @@ class PlumeVolume:
             z + bend * (2.0 * noise3(slow * x + 9.1, 0.9 * up, slow * z + self._seed[1]) - 1.0),
         )
         noise = self._noise(3.4 * x * size, 0.80 * up, 3.4 * z * size, octaves)
-        body = 0.95 - out - 0.35 * s + (3.6 + 7.0 * s) * (noise - 0.53)
-        is_inside = (y > 0.0) & (y < self._height) & (out < 2.5)
-        share = dr.clip(6.0 * body - 0.3, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
+        body = 0.80 - t + (3.2 + 4.4 * dr.minimum(t, 1.0)) * (noise - 0.5)
+        is_inside = (y > 0.0) & (y < self._height) & (tall > 0.0)
+        share = dr.clip(9.0 * body - 0.4, 0.0, 1.0) * dr.clip(20.0 * s, 0.0, 1.0)
         # Gas burns where it meets the air: flames are bright sheets about a darker core.
         sheet = dr.exp(-dr.square((body - 0.3) / 0.24))
         share = dr.select(is_inside, share * (0.45 + 0.8 * sheet), 0.0)
         # Hottest low in the middle, where fuel burns; tips and rims cool.
         core = dr.exp(-2.6 * out - 4.0 * s * s)
-        heat = dr.clip(0.42 * body + 0.16 + 0.46 * core - 0.1 * s, 0.0, 1.0)
-        return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, wide
+        heat = dr.clip(0.44 * body + 0.13 + 0.44 * core - 0.14 * s, 0.0, 1.0)
+        return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, self._radius + 0.0 * s
 
     def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
         wide = self._radius * (1.0 + SMOKE_WIDENING * s)
@@ -211,8 +216,8 @@ class PlumeVolume:
         """Return the radiance of the plume at a place if it hid all behind it."""
         if self.kind == "flame":
             # Soot at 1200 to 2000 K: the cooler the redder, and by far the darker.
-            tone = self._color * mi.Color3f(1.0, 0.28 + 1.9 * heat, 0.04 + 7.0 * heat * heat)
-            return tone * (self._glow / _FLAME_DEPTH * (0.1 + 11.0 * heat * heat * heat))
+            tone = self._color * mi.Color3f(1.0, 0.22 + 1.9 * heat, 0.02 + 5.0 * heat * heat)
+            return tone * (self._glow / _FLAME_DEPTH * (0.1 + 13.0 * heat * heat * heat))
         depth = mi.Float(0.0)
         before = 0.0
         for place in _LIGHT_STEPS:

@@ -16,6 +16,7 @@ from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.hedges import hedge_length, hedge_tops
 from pipeline.production.edging.palms import palm
 from pipeline.production.edging.plot import Plot
+from pipeline.production.edging.weathering import Front
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.film_view import FilmView
@@ -76,6 +77,7 @@ class Border:
         placed: plants.
         plots: built ground.
         lanterns: (N, 3) places of the lights of street lamps [m], of each row of them.
+        fronts: of houses near by, on which the weather leaves traces.
     """
 
     low: Array
@@ -92,6 +94,7 @@ class Border:
     placed: list[Placed] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
     lanterns: list[Array] = field(default_factory=list)
+    fronts: list[Front] = field(default_factory=list)
 
     def rows(self, out: float, spacing: float, tall: float, radius: float) -> Rows:
         """Return places where something may stand, at a distance from the floor.

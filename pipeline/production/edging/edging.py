@@ -15,11 +15,13 @@ from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
 from pipeline.production.edging.fence import stand_fence
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.edging.house import PLASTERS
 from pipeline.production.edging.house_materials import AFTER_DARK, MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import furnish
 from pipeline.production.edging.street import PAVEMENT, rows_of_houses, single_house
+from pipeline.production.edging.weathering import furnished, weathered
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView
@@ -274,7 +276,17 @@ class Edging:
             replace(mesh, name=mesh.name.replace("scenery", "edging"))
             for mesh in (gathered_meshes(copies)[0] if copies else ())
         )
-        return (*grown, *border.carpentry.meshes())
+        return (*grown, *(self._aged(mesh) for mesh in border.carpentry.meshes()))
+
+    def _aged(self, mesh: Mesh) -> Mesh:
+        """Return the walls of houses with traces of the weather, and panes with rooms behind."""
+        fronts, seed = self.border.fronts, self.border.seed
+        material = mesh.material.removeprefix("edging ")
+        if not fronts:
+            return mesh
+        if material in PLASTERS:
+            return weathered(mesh, fronts, seed)
+        return furnished(mesh, fronts, seed) if material == "pane" else mesh
 
 
 def _stand(

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.production.edging.facade import RAILED, WINDOWS, Facade
 from pipeline.production.edging.glazing import GLAZINGS, SHOP_GLAZING, Glazing, dressing
+from pipeline.production.edging.weathering import Front
 from pipeline.production.surroundings.lattice_noise import hashed
 from pipeline.simulation.spatial import Array
 
@@ -70,6 +71,7 @@ class House(Facade):
         windows: their measures, of `WINDOWS`.
         has_dormers: whether windows stand out of its roof.
         flowers: points (3,) at which flowers grow in them [m], once it is built.
+        front: what it is to the weather, with its sills and panes once it is built.
     """
 
     is_shop: bool = False
@@ -81,6 +83,12 @@ class House(Facade):
     windows: int = 0
     has_dormers: bool = False
     flowers: list[Array] = field(default_factory=list)
+    front: Front = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Note what rain meets."""
+        size = (*self.size, self.tall + self.level - self.foot)
+        object.__setattr__(self, "front", Front(self.place, self.heading, size, self.foot))
 
     @property
     def tall(self) -> float:
@@ -157,6 +165,8 @@ class House(Facade):
             self.add(
                 "hewn stone", (middle, foot + opening.low - 0.05, 0.05), (wide + 0.36, 0.1, 0.24)
             )
+            sill = foot + opening.low + self.level - self.foot
+            self.front.sills.append((middle, sill, wide + 0.36))
             if opening.low < RAILED and opening.kind == "window":
                 self.rail(middle, foot + opening.low, wide)
             elif foot > 0.0 and self.flowery and self.rng.uniform() < 0.75:
@@ -180,6 +190,8 @@ class House(Facade):
         else:
             pane = self._pane(middle, foot)
             self.add(pane, (middle, up, -0.27), (wide, tall, 0.02))
+            low = foot + opening.low + self.level - self.foot
+            self.front.panes.append((middle, low, wide, tall))
             glazing = self._glazing if opening.kind == "window" else SHOP_GLAZING
             boxes = glazing.bars(wide, tall, wood)
             if opening.kind == "window":

@@ -32,7 +32,7 @@ PANE = Material.model_validate(
 )
 LANTERN_GLASS = Material.model_validate({"color": "#cdbf9a", "roughness": 0.3})
 
-DRESSINGS = {"curtain": "#8a8070", "blind": "#75664c", "net": "#6f706c"}
+DRESSINGS = {"curtain": "#998d78", "blind": "#8c7b5c", "net": "#8a8c87"}
 """Colours of what hangs behind panes."""
 
 MATERIALS_OF_HOUSES: Mapping[str, Material] = {

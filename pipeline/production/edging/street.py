@@ -142,6 +142,7 @@ def _row(border: Border, out: float, number: int) -> None:
         )
         house.build()
         if number == 0:
+            border.fronts.append(house.front)
             dress(border, house, one)
             if border.sun is not None and one.uniform() < DECKED:
                 aside = 0.5 * site.width - 0.2
@@ -190,6 +191,7 @@ def single_house(border: Border, out: float, floor: Array | None, *, is_school: 
         flowery=not is_school,
     )
     house.build()
+    border.fronts.append(house.front)
     dress(border, house, rng)
     if is_school:
         house.turret()

@@ -1,0 +1,98 @@
+"""Plaster bears traces of rain where water runs, and panes show rooms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.production.edging.carpentry import Carpentry
+from pipeline.production.edging.weathering import CELL, Front, furnished, weathered
+from pipeline.simulation.spatial import Array
+from render.shot import Mesh
+
+Triple = tuple[float, float, float]
+
+HEADING = 0.7
+PLACE = np.array([3.0, -5.0])
+
+
+def front() -> Front:
+    return Front(PLACE, HEADING, (8.0, 9.0, 6.0), 0.5, [(1.0, 3.0, 1.4)], [(1.0, 3.1, 1.0, 1.5)])
+
+
+def boxes(
+    places: list[tuple[float, float, float]], sizes: list[tuple[float, float, float]]
+) -> Mesh:
+    """Return boxes at places along, over and before the facade."""
+    carpentry = Carpentry()
+    c, s = np.cos(HEADING), np.sin(HEADING)
+    for (along, up, before), size in zip(places, sizes, strict=True):
+        x, z = PLACE[0] + c * along + s * before, PLACE[1] - s * along + c * before
+        carpentry.add("edging cream", np.array([x, 0.5 + up, z]), size, HEADING)
+    (mesh,) = carpentry.meshes()
+    return mesh
+
+
+def wall() -> Mesh:
+    return boxes([(0.0, 3.0, -0.17)], [(8.0, 6.0, 0.34)])
+
+
+def area(mesh: Mesh) -> float:
+    a, b, c = (mesh.vertices[mesh.faces[:, k]].astype(float) for k in range(3))
+    return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+
+def share(mesh: Mesh, along: tuple[float, float], up: tuple[float, float]) -> float:
+    """Return the mean dirt in a rectangle of the facade."""
+    assert mesh.cover is not None
+    local = front().local(mesh.vertices.astype(float))
+    own = (local[:, 2] > -0.01) & (local[:, 0] > along[0]) & (local[:, 0] < along[1])
+    own &= (local[:, 1] > up[0]) & (local[:, 1] < up[1])
+    # Dirt is dark, worn wash is pale.
+    return float((mesh.cover[own, 3] * (1.0 - mesh.cover[own, 0])).mean())
+
+
+def test_cells_cover_the_wall_and_are_small() -> None:
+    plain, aged = wall(), weathered(wall(), [front()], 3)
+    assert area(aged) == pytest.approx(area(plain), rel=1e-5)
+    local = front().local(aged.vertices.astype(float))
+    facade = (local[aged.faces][:, :, 2] > -0.01).all(axis=1)
+    edges = local[aged.faces[facade]]
+    assert np.linalg.norm(edges[:, 0] - edges[:, 1], axis=-1).max() <= 1.415 * CELL["wall"]
+    # Nobody sees the back of the wall: it is not divided.
+    assert ((local[aged.faces][:, :, 2] < -0.33).all(axis=1)).sum() == 2
+
+
+@pytest.mark.parametrize("seed", [1, 7, 40])
+def test_water_leaves_dirt_at_the_foot_under_the_eaves_and_below_sills(seed: int) -> None:
+    aged = weathered(wall(), [front()], seed)
+    middle = share(aged, (-3.5, -0.5), (2.5, 3.5))
+    assert share(aged, (-4.0, 4.0), (0.0, 0.4)) > middle + 0.1
+    assert share(aged, (-4.0, 4.0), (5.7, 6.0)) > middle + 0.08
+    # The sill reaches from 0.3 to 1.7 along.
+    assert share(aged, (0.25, 0.4), (2.5, 2.95)) > middle + 0.1
+    assert share(aged, (0.25, 0.4), (2.5, 2.95)) > share(aged, (0.9, 1.1), (2.5, 2.95))
+
+
+def test_what_belongs_to_no_house_stays_as_it_was() -> None:
+    far = boxes([(20.0, 1.0, 0.0)], [(2.0, 2.0, 0.3)])
+    aged = weathered(far, [front()], 1)
+    assert aged.cover is not None
+    assert len(aged.vertices) == len(far.vertices)
+    assert not aged.cover[:, 3].any()
+
+
+def colors(low: float, seed: int) -> Array:
+    pane = boxes([(1.0, low + 0.75, -0.27)], [(1.0, 1.5, 0.02)])
+    own = Front(PLACE, HEADING, (8.0, 9.0, 6.0), 0.5, [], [(1.0, low, 1.0, 1.5)])
+    room = furnished(pane, [own], seed)
+    assert room.cover is not None
+    assert (room.cover[:, 3] == 1.0).all()
+    return np.asarray(room.cover[:, :3], float)
+
+
+def test_rooms_differ_from_window_to_window_and_are_the_same_again() -> None:
+    assert np.array_equal(colors(3.1, 5), colors(3.1, 5))
+    assert not np.array_equal(colors(3.1, 5), colors(3.1, 6))
+    assert not np.array_equal(colors(3.1, 5), colors(4.1, 5))
+    assert np.ptp(colors(3.1, 5).mean(axis=1)) > 0.05

@@ -21,6 +21,7 @@ import mitsuba as mi
 import numpy as np
 
 from render.lights.lattice_noise import noise2
+from render.tracing.foam import Foam
 from render.water import REFRACTIVE_INDEX, WaterSurface
 
 _DEFOCUS_DEPTH = 1.6
@@ -43,37 +44,6 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 SPREAD_LOOKS = 4
 """Normals that are sampled of the waves below a pixel's width, in each pass."""
-
-_FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 3.0
-"""Depth in which foam lies at a shore [m], and relative to the mean height of the waves."""
-
-_FOAM_FROM, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.004, 16.0, 0.85, 0.6
-"""Mean height of waves from which there is foam [m]: calm water has none; share of the surface that
-foam hides where it is thick, for each metre beyond and at most; share of light that it sends
-back."""
-
-_FOAM_UPRIGHT, _FOAM_BESIDE = (0.45, 0.3), 0.25
-"""Vertical component of the ground's normal at which foam begins, and its rise up to full foam; and
-the share that is left in patches beside steeper ground."""
-
-_FOAM_CELLS = (0.31, 0.083)
-"""Widths of patches and of bubbles of foam [m]."""
-
-_BREAKER_DEPTH, _BREAKER_WANDER = 0.42, 0.8
-"""Difference in depth between two lines of breakers [m], and how far they wander, in lines."""
-
-_BREAKER_SPAN, _BREAKER_CREST, _BREAKER_TRAIL = 3.2, 0.09, 0.75
-"""Depth from which waves break, in lines; width of the crest of foam, and of what it leaves behind,
-in lines."""
-
-_BREAKER_LENGTHS = (8.0, 3.1)
-"""Lengths of the bends and of the gaps of a line of breakers [m]."""
-
-_BREAKERS_FULL = 0.02
-"""Mean height of waves beyond that of the first foam at which they break fully [m]."""
-
-_BREAKER_PERIOD = 5.2
-"""Time from one breaker to the next [s]."""
 
 _SHAFT_STEPS, _SHAFT_REACH, _SHAFT_WIDTH, _SHAFT_DEPTH = 9, 11.0, 0.8, 4.0
 """Number of places along a ray at which shafts of light are looked at, how far the last is, how
@@ -127,11 +97,7 @@ class Water:
         phases: of the waves.
         extinction: by colour [1/m].
         glow: radiance of endless water at the surface.
-        foam: radiance of foam on the surface.
-        foam_depth: depth up to which foam lies [m].
-        foam_most: share of the surface that foam hides where it is thick.
-        surf: share that the foam of breakers hides where it is thick, None where none break.
-        breaking: time since a line of breakers began, in their period.
+        foam: on the surface.
         pixel: width of a pixel at a distance of 1 m [m].
         mean_focus: mean of the light pattern at some depths, by which it is divided.
         shafts: unit vector under water towards the key light whose shafts a camera below the
@@ -143,11 +109,7 @@ class Water:
     phases: list[mi.Float]
     extinction: mi.Color3f
     glow: mi.Color3f
-    foam: mi.Color3f
-    foam_depth: mi.Float
-    foam_most: mi.Float
-    surf: mi.Float | None
-    breaking: mi.Float
+    foam: Foam
     pixel: mi.Float
     mean_focus: tuple[float, ...]
     shafts: mi.Vector3f | None = None
@@ -163,32 +125,24 @@ class Water:
         """
         waves = tuple((w.amplitude, *w.k, w.length) for w in surface.waves)
         glow = np.asarray(surface.albedo) * np.asarray(downwelling) / np.pi
-        foam = _FOAM_ALBEDO * np.asarray(downwelling) / np.pi
-        height = math.sqrt(0.5 * sum(w.amplitude**2 for w in surface.waves))
-        surf = surface.surf * min(max(height - _FOAM_FROM, 0.0) / _BREAKERS_FULL, 1.0)
         made = Water(
             waves,
             mi.Float(surface.level),
             [],
             mi.Color3f(list(surface.extinction)),
             mi.Color3f(glow.tolist()),
-            mi.Color3f(foam.tolist()),
-            mi.Float(_FOAM_CALM + _FOAM_PER_HEIGHT * height),
-            mi.Float(min(_SHARE_PER_HEIGHT * max(height - _FOAM_FROM, 0.0), _FOAM_MOST)),
-            dr.opaque(mi.Float, surf) if surf > 0.0 else None,
-            mi.Float(0.0),
+            Foam.of(surface, downwelling),
             mi.Float(1e-3),
             _mean_focus(waves),
         )
         dr.make_opaque(made.level, made.extinction, made.glow, made.pixel)
-        dr.make_opaque(made.foam, made.foam_depth, made.foam_most)
         made.set_time(surface, time)
         return made
 
     def set_time(self, surface: WaterSurface, time: float) -> None:
         """Move the waves to a time of the film [s]."""
         self.phases = [dr.opaque(mi.Float, wave.phase_at(time)) for wave in surface.waves]
-        self.breaking = dr.opaque(mi.Float, time / _BREAKER_PERIOD % 1.0)
+        self.foam.set_time(time, self.phases[-1] if self.phases else None)
 
     def set_pixel_width(self, fov_deg: float, height: int) -> None:
         """Set how fine waves are seen: in a field of view this high, of so many pixels."""
@@ -391,53 +345,6 @@ class Water:
         facing = dr.maximum(-dr.dot(ray.d, n), 0.12)
         is_seen = interface.is_above & (sample.d.y > 0.0)
         return dr.select(is_seen, arriving * share * density / (4.0 * facing), 0.0)
-
-    def foam_share(self, p: Any, depth: Any, normal: Any) -> Any:
-        """Return the share of the surface that foam hides where water is as deep as this [m].
-
-        A ragged line of it lies at the edge and a broken one before that, and both come and go
-        with the waves; farther out breakers roll in. Beside steep stones, where they would be two
-        thin cords, a faint broken trace is left.
-
-        Args:
-            p: places on the surface [m].
-            depth: of the water there [m].
-            normal: of the ground below.
-        """
-        patches = noise2(p.x / _FOAM_CELLS[0], p.z / _FOAM_CELLS[0], 71)
-        bubbles = noise2(p.x / _FOAM_CELLS[1], p.z / _FOAM_CELLS[1], 72)
-        swash = mi.Float(0.0)
-        if self.phases:
-            swash = dr.sin(self.phases[-1] + 5.0 * patches)
-        part = depth / (self.foam_depth * (0.55 + 0.7 * patches + 0.25 * swash))
-        edge = 1.0 - dr.clip(part / 0.45, 0.0, 1.0)
-        line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
-        thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
-        thick *= 0.1 + 1.5 * patches * bubbles
-        shore = dr.clip((normal.y - _FOAM_UPRIGHT[0]) / _FOAM_UPRIGHT[1], 0.0, 1.0)
-        shore = dr.maximum(shore, _FOAM_BESIDE * dr.clip(3.0 * patches - 1.0, 0.0, 1.0))
-        share = self.foam_most * dr.clip(thick, 0.0, 1.0)
-        if self.surf is not None:
-            # Breakers are seen from afar, where bubbles would be noise between pixels.
-            broken = dr.clip(0.9 * self._breakers(p, depth), 0.0, 1.0)
-            share = dr.maximum(share, self.surf * broken)
-        return shore * share
-
-    def _breakers(self, p: Any, depth: Any) -> Any:
-        """Return how thick foam lies of waves that break where the ground rises.
-
-        Each line has a sharp crest on the side of the shore and leaves a torn sheet behind, and
-        runs from a depth to the edge, bent and with gaps.
-        """
-        bend = noise2(p.x / _BREAKER_LENGTHS[0], p.z / _BREAKER_LENGTHS[0], 73)
-        gaps = noise2(p.x / _BREAKER_LENGTHS[1], p.z / _BREAKER_LENGTHS[1], 74)
-        place = depth / _BREAKER_DEPTH + _BREAKER_WANDER * bend
-        behind = place + self.breaking
-        behind -= dr.floor(behind)
-        crest = 1.0 - dr.clip(behind / _BREAKER_CREST, 0.0, 1.0)
-        trail = 1.0 - dr.clip(behind / _BREAKER_TRAIL, 0.0, 1.0)
-        breaks = dr.clip(1.5 - 1.5 * place / _BREAKER_SPAN, 0.0, 1.0)
-        return breaks * (crest * dr.clip(4.0 * gaps - 0.8, 0.0, 1.6) + 0.5 * trail * gaps)
 
     def _height(self, x: Any, z: Any) -> Any:
         height = mi.Float(0.0)

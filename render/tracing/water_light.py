@@ -76,7 +76,7 @@ def add_water(
         if pair == BSDF_PAIR:
             depth = dr.minimum(distance, FAR) * dr.abs(direction.y)
             bottom = hit.compute_surface_interaction(way, mi.RayFlags.Minimal)
-            foam = water.foam_share(face.p, depth, bottom.n)
+            foam = water.foam.share(face.p, depth, bottom.n)
             foam = dr.select(face.is_above, foam, 0.0)
             passed, foamy = passed * (1.0 - foam), passed * foam
         if pair == EMITTER_PAIR:
@@ -96,7 +96,7 @@ def add_water(
         values = light * left, albedo * left, shining, open_light * left
         for i, value in enumerate(values[: len(parts)]):
             parts[i] += share * passed * finite(value)
-    parts[2] += foamy * water.foam
+    parts[2] += foamy * water.foam.radiance
     parts[2] += passed * _sun_glitter(scene, shade, water, face, ray, sample_2d(pixels, strata, 0))
     for total, part in zip(sums, parts, strict=True):
         dr.scatter(total, dr.gather(mi.Color3f, total, lanes) + part, lanes)

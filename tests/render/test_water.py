@@ -134,7 +134,7 @@ def test_breakers_run_up_the_shore_of_a_sea_alone(renderer: Renderer) -> None:
 
     def foam(preset: str, time: float, waves: str = "breeze") -> np.ndarray:
         optics = Optics.of(surface(preset=preset, waves=waves), np.ones(3), time)
-        share = optics.foam_share(p, mi.Float(depth), mi.Normal3f(0.0, 1.0, 0.0))
+        share = optics.foam.share(p, mi.Float(depth), mi.Normal3f(0.0, 1.0, 0.0))
         return np.array(share)
 
     def crest(time: float) -> float:
@@ -160,7 +160,7 @@ def test_foam_lies_in_the_shallows_and_more_of_it_where_waves_break(renderer: Re
     def mean(waves: str, depth: float, upright: float = 1.0) -> float:
         optics = Optics.of(surface(preset="lake", waves=waves), np.ones(3), 1.7)
         ground = mi.Normal3f(math.sqrt(1.0 - upright**2), upright, 0.0)
-        share = np.array(optics.foam_share(p, mi.Float(depth), ground))
+        share = np.array(optics.foam.share(p, mi.Float(depth), ground))
         assert share.min() >= 0.0
         assert share.max() <= 1.0
         return float(share.mean())

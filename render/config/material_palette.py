@@ -159,6 +159,7 @@ GROUNDS: dict[str, Row] = {
     "moss":             _row("#4e5e28", "#787a40", 0.95, ("moss", 1.1, 0.9),
                              steep_color="#6d6a64"),
     "sand":             _row("#cfae7b", "#dcc193", 0.9,  ("sand", 2.2, 0.8), steep_color="#b78f5f"),
+    "pale sand":        _row("#b3a382", "#c9bb9f", 0.95, ("sand", 2.2, 1.1), steep_color="#a08b6c"),
     "snow":             _row("#e9edf2", "#dfe6ef", 0.7,  ("snow", 2.4, 0.6),
                              steep_color="#706d6c", steep_deg=40),
     "rock":             _row("#81766a", "#b3a89b", 0.85, ("rock", 2.9, 0.9)),

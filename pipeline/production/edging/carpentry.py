@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -85,3 +87,41 @@ class Carpentry:
             smooth=False,
             rest=rest[:, _SIDES].reshape(-1, 3).astype(np.float32),
         )
+
+
+def in_cells(mesh: Mesh, cell: float, is_divided: Array) -> Mesh:
+    """Return a mesh of four-cornered sides with those divided that are larger than a cell.
+
+    Args:
+        mesh: of Q sides, four vertices each.
+        cell: its breadth, at most [m].
+        is_divided: (Q,) whether a side is.
+    """
+    assert mesh.rest is not None
+    corners, rest = mesh.vertices.reshape(-1, 4, 3), mesh.rest.reshape(-1, 4, 3)
+    edges = np.linalg.norm(corners[:, [1, 2]] - corners[:, [0, 1]], axis=-1)
+    counts = np.where(is_divided[:, None], np.maximum(np.ceil(edges / cell), 1), 1).astype(int)
+    points: list[Array] = []
+    rests: list[Array] = []
+    faces: list[Array] = []
+    first = 0
+    for count in np.unique(counts, axis=0):
+        own = (counts == count).all(axis=1)
+        m, n = (int(value) for value in count)
+        grid = np.meshgrid(np.arange(m + 1) / m, np.arange(n + 1) / n, indexing="ij")
+        s, t = (share.ravel() for share in grid)
+        weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=-1)
+        points.append(np.einsum("kc,qcx->qkx", weights, corners[own]).reshape(-1, 3))
+        rests.append(np.einsum("kc,qcx->qkx", weights, rest[own]).reshape(-1, 3))
+        i, j = (index.ravel() for index in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
+        a, b = i * (n + 1) + j, (i + 1) * (n + 1) + j
+        quads = np.concatenate([np.stack([a, b, b + 1], -1), np.stack([a, b + 1, a + 1], -1)])
+        starts = first + (m + 1) * (n + 1) * np.arange(int(own.sum()))
+        faces.append((starts[:, None, None] + quads).reshape(-1, 3))
+        first += len(points[-1])
+    return replace(
+        mesh,
+        vertices=np.concatenate(points).astype(np.float32),
+        faces=np.concatenate(faces).astype(np.uint32),
+        rest=np.concatenate(rests).astype(np.float32),
+    )

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pipeline.production.edging.carpentry import in_cells
 from pipeline.production.surroundings.lattice_noise import noise, smoothstep
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
@@ -23,16 +24,16 @@ CELL = {"wall": 0.12, "pane": 0.1}
 DIRT, PALE = (0.055, 0.046, 0.034), (0.72, 0.68, 0.58)
 """Linear colours of what water leaves, and of plaster that has lost its wash."""
 
-SPLASH, SPLASH_HEIGHT = 0.5, 0.6
+SPLASH, SPLASH_HEIGHT = 0.6, 0.6
 """Dirt at the foot of a wall, and the height over which it falls to 1/e [m]."""
 
-EAVES, EAVES_HEIGHT = 0.34, 0.6
+EAVES, EAVES_HEIGHT = 0.42, 0.6
 """Dirt under the eaves, and the height over which it falls to 1/e [m]."""
 
-DRIP, DRIP_HEIGHT, DRIP_WIDTH = 0.55, 0.8, 0.09
+DRIP, DRIP_HEIGHT, DRIP_WIDTH = 0.7, 0.8, 0.09
 """Dirt below the ends of sills, the height over which it falls to 1/e, and its breadth [m]."""
 
-STREAKS, WORN = 0.16, 0.15
+STREAKS, WORN = 0.22, 0.17
 """Dirt in streaks all over, and share of its wash that plaster loses at most in patches."""
 
 ROOMS = (
@@ -105,7 +106,7 @@ def _covered(
     is_seen = np.zeros(len(middles), bool)
     for front in fronts:
         is_seen |= front.shows(front.local(middles))
-    mesh = _in_cells(mesh, cell, is_seen)
+    mesh = in_cells(mesh, cell, is_seen)
     cover = np.zeros((len(mesh.vertices), 4), np.float32)
     points = mesh.vertices.astype(float)
     for front in fronts:
@@ -179,41 +180,3 @@ def _rooms(front: Front, local: Array, seed: int) -> Array:
             seen = seen + (0.30 * np.array([1.0, 0.86, 0.62]) - seen) * (far < 1.0)[:, None]
         color[own, :3], color[own, 3] = lit[:, None] * seen, 1.0
     return color
-
-
-def _in_cells(mesh: Mesh, cell: float, is_divided: Array) -> Mesh:
-    """Return a mesh of four-cornered sides with those divided that are larger than a cell.
-
-    Args:
-        mesh: of Q sides, four vertices each.
-        cell: its breadth, at most [m].
-        is_divided: (Q,) whether a side is.
-    """
-    assert mesh.rest is not None
-    corners, rest = mesh.vertices.reshape(-1, 4, 3), mesh.rest.reshape(-1, 4, 3)
-    edges = np.linalg.norm(corners[:, [1, 2]] - corners[:, [0, 1]], axis=-1)
-    counts = np.where(is_divided[:, None], np.maximum(np.ceil(edges / cell), 1), 1).astype(int)
-    points: list[Array] = []
-    rests: list[Array] = []
-    faces: list[Array] = []
-    first = 0
-    for count in np.unique(counts, axis=0):
-        own = (counts == count).all(axis=1)
-        m, n = (int(value) for value in count)
-        grid = np.meshgrid(np.arange(m + 1) / m, np.arange(n + 1) / n, indexing="ij")
-        s, t = (share.ravel() for share in grid)
-        weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=-1)
-        points.append(np.einsum("kc,qcx->qkx", weights, corners[own]).reshape(-1, 3))
-        rests.append(np.einsum("kc,qcx->qkx", weights, rest[own]).reshape(-1, 3))
-        i, j = (index.ravel() for index in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
-        a, b = i * (n + 1) + j, (i + 1) * (n + 1) + j
-        quads = np.concatenate([np.stack([a, b, b + 1], -1), np.stack([a, b + 1, a + 1], -1)])
-        starts = first + (m + 1) * (n + 1) * np.arange(int(own.sum()))
-        faces.append((starts[:, None, None] + quads).reshape(-1, 3))
-        first += len(points[-1])
-    return replace(
-        mesh,
-        vertices=np.concatenate(points).astype(np.float32),
-        faces=np.concatenate(faces).astype(np.uint32),
-        rest=np.concatenate(rests).astype(np.float32),
-    )

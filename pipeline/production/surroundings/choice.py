@@ -19,7 +19,7 @@ NATURAL = {
 }
 """Surroundings by the texture of natural ground; other ground is a floor."""
 
-LAND_MATERIALS = {"dunes": "sand", "sea": "sand"}
+LAND_MATERIALS = {"dunes": "sand", "sea": "pale sand"}
 """Material of the land around a floor; grass where none is given."""
 
 DRAWN_OUT = frozenset({"stairs", "ramp", "ditches", "stones"})

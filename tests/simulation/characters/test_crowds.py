@@ -40,6 +40,7 @@ from pipeline.simulation.characters.right_of_way import (
     lag_at_crossing,
     lag_at_passage,
 )
+from pipeline.simulation.characters.solid_arrays import SOLID
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array
@@ -396,6 +397,21 @@ def test_who_meets_others_in_an_opening_keeps_to_its_right_half() -> None:
     assert not watch.outcome.hurt
 
 
+def test_walls_whose_boxes_lie_farther_apart_than_an_opening_make_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(passage_lanes, "hypotenuse", math.hypot)
+    plain: Any = passage_lanes._least_width
+    two = zero_records(2, SOLID)
+    two["low"], two["high"] = (
+        [[-1.0, 0.0, -2.0], [3.0, 0.0, 6.0]],
+        [[0.0, 2.0, 2.0], [5.0, 2.0, 9.0]],
+    )
+    assert plain.py_func(two[0], two[1]) == plain.py_func(two[1], two[0]) == 5.0
+    two["low"][1] = -0.5, 5.0, 1.0
+    assert plain.py_func(two[0], two[1]) == 0.0
+
+
 def test_who_walks_about_behind_an_opening_is_not_met_in_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -417,7 +433,8 @@ def test_who_walks_about_behind_an_opening_is_not_met_in_it(
 def test_a_hundred_people_pass_a_gate_both_ways_without_a_jam() -> None:
     watch, sides = passing_sides(50, 26.0)
     assert len(sides) == 100
-    assert min(sides) > -0.5
+    # Where the halves are not kept, as many pass on the left.
+    assert np.mean(np.array(sides) > 0.0) > 0.95
     assert not watch.outcome.hurt + watch.outcome.dazed
 
 

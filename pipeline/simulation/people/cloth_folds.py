@@ -64,7 +64,7 @@ SHIRT = (
 
 LEG = (
     Gather(0.066, 0.034, 0.030, 0.0060, slant=-0.40, run=0.4, front=(1.0, 0.75)),
-    Gather(0.268, 0.044, 0.036, 0.0060, slant=-0.35, run=0.4, front=(0.60, 1.0)),
+    Gather(0.268, 0.044, 0.036, 0.0046, slant=-0.35, run=0.4, front=(0.60, 1.0)),
     Gather(0.455, 0.040, 0.034, 0.0044, slant=0.25, run=0.95, front=(1.0, 0.7)),
 )
 """Of trousers: over the shoe, at the knee, and from the crotch outward."""

@@ -114,7 +114,8 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
     weights = mesh.weights.copy()
     weights[alone] = [1.0, 0.0]
     nodes[alone, 1] = np.where(nodes[alone, 0] == 0, bones.links[FRAMES.index("head")], 0)
-    # Hair, creases, twists, and what faces and hands move, turn with the frame that a vertex follows most.
+    # Hair, creases, twists, and what faces and hands move, turn with the frame that a vertex
+    # follows most.
     own = bones.turns[mesh.nodes[np.arange(len(nodes)), mesh.weights.argmax(axis=1)]]
     hair, offsets, creases, twists = mesh.hair, mesh.offsets, mesh.creases, mesh.twists
     if len(hair):

@@ -207,6 +207,10 @@ def polygonise(
         # All below the edge is cut away.
         values[:, 0] = cell
     _fill_pinches(values)
+    while symmetric and (values != values[..., ::-1]).any():
+        # Of two samples in a pinch the one that is filled may differ between the sides.
+        np.minimum(values, values[..., ::-1].copy(), out=values)
+        _fill_pinches(values)
     vertices, faces = surface_nets(values, np.zeros(3), 1.0)
     places = np.stack(
         [np.interp(vertices[:, k], np.arange(len(axes[k])), axes[k]) for k in range(3)], axis=-1

@@ -137,8 +137,9 @@ class Skin:
         some, share = self.blended, self.weights[1, self.blended]
         a, b = (self.nodes[k][some] for k in range(2))
         offset, other, own = offsets[0], offsets[1], q[b]
+        signed = np.zeros(0, np.int64)
         if len(self.twists):
-            held = np.flatnonzero(self.twists[some].any(axis=1))
+            signed = held = np.flatnonzero(self.twists[some].any(axis=1))
             against = _product(q[a[held]] * _CONJUGATE, own[held])
             back = _untwisted(self.twists[some[held]], against)
             other = other.copy()
@@ -148,7 +149,10 @@ class Skin:
         here = p[a] + (R[a] @ offset[..., None])[..., 0]
         there = p[b] + (R[b] @ other[..., None])[..., 0]
         turned = _product(own, q[a] * _CONJUGATE)
-        turned = turned * np.where(turned[:, :1] < 0.0, -1.0, 1.0)
+        # The shorter way around, but for limbs whose middle direction says which way they went.
+        flips = turned[:, 0] < 0.0
+        flips[signed] = False
+        turned[flips] *= -1.0
         if len(self.creases):
             folded = _sine_of_bend(turned)[:, None] * self.creases[some]
             here = here + (R[a] @ folded[..., None])[..., 0]
@@ -178,7 +182,8 @@ def _untwisted(twists: Array, turned: Array) -> Array:
     """Return turns (n, 4) about Y at rest, wxyz, by which limbs are twisted back.
 
     The twist is measured from the limb's middle direction, to which it is swung from hanging: so
-    it is defined in all directions but the opposite one.
+    it is defined in all directions but the opposite one. Their signs are such that limbs came by
+    their middle directions.
 
     Args:
         twists: (n, 3) middle directions times the shares that are twisted back.
@@ -196,7 +201,9 @@ def _untwisted(twists: Array, turned: Array) -> Array:
     angle = np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi
     # The limb hangs along -Y: back by its twist is ahead about Y.
     half = 0.5 * share * angle
-    return np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
+    back = np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
+    way = (_product(turned, back) * swing).sum(axis=-1)
+    return back * np.where(way < 0.0, -1.0, 1.0)[:, None]
 
 
 def _sine_of_bend(turned: Array) -> Array:

@@ -41,9 +41,9 @@ class Hinge:
     slant: float = 0.0
 
 
-SLEEVED_ELBOW = Hinge(0.632, 1.0, 0.0060, 0.0035, 0.0180, 0.0025, fold=0.0042, slant=0.25)
+SLEEVED_ELBOW = Hinge(0.632, 1.0, 0.0060, 0.0030, 0.0180, 0.0012, fold=0.0052, slant=0.25)
 BARE_ELBOW = Hinge(0.632, 1.0, 0.0050, 0.0018, 0.0180, 0.0035)
-TROUSERED_KNEE = Hinge(0.285, -1.0, 0.0080, 0.0045, 0.0260, 0.0025, fold=0.0050, slant=0.2)
+TROUSERED_KNEE = Hinge(0.285, -1.0, 0.0080, 0.0040, 0.0260, 0.0015, fold=0.0060, slant=0.2)
 BARE_KNEE = Hinge(0.285, -1.0, 0.0070, 0.0025, 0.0240, 0.0030)
 
 SIDES = (-0.014, 0.018)

@@ -48,7 +48,7 @@ class Gather:
 
 SLEEVE = (
     Gather(0.634, 0.042, 0.029, 0.0040, slant=0.55, run=0.3, front=(1.0, 0.45)),
-    Gather(0.524, 0.030, 0.024, 0.0040, slant=0.25, run=-0.3),
+    Gather(0.524, 0.030, 0.024, 0.0030, slant=0.25, run=-0.3),
     Gather(0.740, 0.032, 0.034, 0.0016, slant=-0.35, run=1.0, front=(1.0, 0.7)),
 )
 """Of a long sleeve: at the elbow, above the cuff, and below the shoulder."""

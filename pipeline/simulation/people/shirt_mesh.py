@@ -84,7 +84,7 @@ SUNK, SLOPE = 0.010, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
-LIFTED, LIFT_START, LIFT_LEVELS, LIFT_END = 0.024, (0.042, 0.118), (0.750, 0.790), (1.0, 0.85)
+LIFTED, LIFT_START, LIFT_LEVELS, LIFT_END = 0.016, (0.030, 0.090), (0.750, 0.790), (1.0, 0.85)
 """By how much a shoulder rises with an arm that is lifted by a right angle, the places beside the
 neck between which that begins, both in girths; heights between which it comes about, and the shares
 of the arm between which it ends."""

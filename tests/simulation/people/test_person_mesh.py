@@ -470,7 +470,7 @@ def test_no_cloth_jumps_where_a_bent_arm_passes_straight_up() -> None:
     _, posed = shirt_poses(*poses)
     steps = [np.linalg.norm(b - a, axis=-1).max() for a, b in itertools.pairwise(posed)]
     # Three degrees at the end of an arm, and the turn of its hinge.
-    assert max(steps) < 0.09
+    assert max(steps) < 0.03
 
 
 def test_a_shoulder_has_no_notch_beside_a_level_arm() -> None:
@@ -478,14 +478,14 @@ def test_a_shoulder_has_no_notch_beside_a_level_arm() -> None:
     aside = np.arange(0.06, 0.34, 0.012)
     top = np.array([posed[np.abs(posed[:, 2] - z) < 0.012, 1].max() for z in aside])
     rim = np.minimum(np.maximum.accumulate(top), np.maximum.accumulate(top[::-1])[::-1])
-    assert (rim - top).max() < 0.020
+    assert (rim - top).max() < 0.028
 
 
 @pytest.mark.parametrize(
     ("layer", "limb", "way"),
     [("shirt", ("elbow", "hand"), 1.0), ("trousers", ("knee", "foot"), -1.0)],
 )
-def test_a_creased_limb_keeps_its_volume_and_is_not_pinched_at_its_sides(
+def test_a_creased_limb_keeps_its_volume_and_is_smooth_outside(
     layer: str, limb: tuple[str, str], way: float
 ) -> None:
     layers = person_layers(ADULT, Clothes(short_sleeves=False))
@@ -503,6 +503,9 @@ def test_a_creased_limb_keeps_its_volume_and_is_not_pinched_at_its_sides(
     assert volumes[1] == pytest.approx(volumes[0], rel=0.02)
     hinge = JOINTS.index(f"{limb[0]}_r")
     places, moves = layers[number].mesh.vertices.astype(float), layers[number].mesh.creases
-    near = (np.abs(places - rest[hinge]) < [0.015, 0.05, 0.10]).all(axis=1)
-    assert near.sum() > 10
-    assert np.linalg.norm(moves[near], axis=-1).max() < 0.0085
+    near = (np.abs(places - rest[hinge]) < [0.10, 0.06, 0.10]).all(axis=1)
+    outside = near & (way * (places[:, 0] - rest[hinge, 0]) < -0.025)
+    sides = near & (np.abs(places[:, 0] - rest[hinge, 0]) < 0.015)
+    assert min(outside.sum(), sides.sum()) > 10
+    size = np.linalg.norm(moves, axis=-1)
+    assert size[outside].max() < 0.005 < size[sides].max()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.bend_creases import (
@@ -127,7 +128,7 @@ def held_twist(build: BodyMeasures, heights: Array) -> Array:
 def on_twisted_arm(build: BodyMeasures, patch: SkinnedPatch) -> SkinnedPatch:
     """Return a patch of a hanging right arm that takes the twist of its bone along its length."""
     twist = held_twist(build, patch.vertices[:, 1])
-    is_twisted = twist.any(axis=1)
+    is_twisted: NDArray[np.bool_] = twist.any(axis=1)
     pair = [FRAMES.index("chest"), FRAMES.index("upper_arm_r")]
     return replace(
         patch,

@@ -128,7 +128,7 @@ def held_twist(build: BodyMeasures, heights: Array) -> Array:
 def on_twisted_arm(build: BodyMeasures, patch: SkinnedPatch) -> SkinnedPatch:
     """Return a patch of a hanging right arm that takes the twist of its bone along its length."""
     twist = held_twist(build, patch.vertices[:, 1])
-    is_twisted: NDArray[np.bool_] = twist.any(axis=1)
+    is_twisted: NDArray[np.bool_] = np.abs(twist).max(axis=1) > 0.0
     pair = [FRAMES.index("chest"), FRAMES.index("upper_arm_r")]
     return replace(
         patch,

@@ -123,6 +123,9 @@ class Mesh:
         offsets: (n, 3) float32 by which it moves at the unit's full action, in the rest frame [m].
         creases: (V, 3) float32 by which a vertex moves where its two nodes are turned by a right
             angle or more, by the sine of a smaller one, in the rest frame [m]; (0, 3) for none.
+        twists: (V, 3) float32 middle direction of the limb of a vertex in the rest frame, where it
+            hangs along -Y, as long as the share of the second node's twist that the vertex does not
+            take; (0, 3) for none.
     """
 
     vertices: NDArray[np.float32]
@@ -135,9 +138,10 @@ class Mesh:
     targets: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     offsets: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
     creases: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    twists: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
 
 
-OPTIONAL_ARRAYS = ("paint", "hair", "targets", "offsets", "creases")
+OPTIONAL_ARRAYS = ("paint", "hair", "targets", "offsets", "creases", "twists")
 """Arrays of meshes that may be empty, the last ones of a mesh."""
 
 

@@ -92,4 +92,5 @@ def _of_vertices(mesh: Mesh, kept: NDArray[np.int64], faces: NDArray[np.uint32])
         targets=np.stack([targets, mesh.targets[:, 1]], axis=-1)[stay].astype(np.int32),
         offsets=mesh.offsets[stay],
         creases=mesh.creases[kept] if len(mesh.creases) else mesh.creases,
+        twists=mesh.twists[kept] if len(mesh.twists) else mesh.twists,
     )

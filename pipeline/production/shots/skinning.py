@@ -31,6 +31,8 @@ class Skin:
         starts: (P + 1,) first vertex of each visible part.
         motions: of the faces.
         creases: (V, 3) moves where both nodes are turned by 90 degrees [m]; (0, 3) for none.
+        twists: (V, 3) middle directions of limbs, as long as the share of twist that is not taken;
+            (0, 3) for none.
     """
 
     vertices: Array
@@ -40,6 +42,7 @@ class Skin:
     starts: NDArray[np.int64]
     motions: FaceMotions = field(default_factory=FaceMotions)
     creases: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    twists: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @staticmethod
     def of(take: Take) -> Skin:
@@ -65,10 +68,12 @@ class Skin:
         rest = np.array([node.rest for node in take.nodes])
         vertices = np.concatenate(placed).astype(float)
         weights = np.concatenate([mesh.weights for mesh in meshes]).T[..., None].astype(float)
-        creases = _creases(meshes)
+        creases, twists = (_rows(meshes, name) for name in ("creases", "twists"))
         blended = weights[1, :, 0] > 0.0
         if len(creases):
             blended = blended | creases.any(axis=1)
+        if len(twists):
+            blended = blended | twists.any(axis=1)
         return Skin(
             vertices=vertices - rest[nodes],
             nodes=nodes,
@@ -77,6 +82,7 @@ class Skin:
             starts=starts,
             motions=FaceMotions.of(take, meshes, starts),
             creases=creases,
+            twists=twists,
         )
 
     def thinned(self, most: int) -> Skin:
@@ -130,12 +136,23 @@ class Skin:
         """
         some, share = self.blended, self.weights[1, self.blended]
         a, b = (self.nodes[k][some] for k in range(2))
-        offset = offsets[0]
+        offset, other, own = offsets[0], offsets[1], q[b]
+        signed = np.zeros(0, np.int64)
+        if len(self.twists):
+            signed = held = np.flatnonzero(self.twists[some].any(axis=1))
+            against = _product(q[a[held]] * _CONJUGATE, own[held])
+            back = _untwisted(self.twists[some[held]], against)
+            other = other.copy()
+            other[held] = _turned(back, other[held])
+            own[held] = _product(own[held], back)
         # Relative to the first node the second one is a rotation and a translation.
         here = p[a] + (R[a] @ offset[..., None])[..., 0]
-        there = p[b] + (R[b] @ offsets[1][..., None])[..., 0]
-        turned = _product(q[b], q[a] * _CONJUGATE)
-        turned = turned * np.where(turned[:, :1] < 0.0, -1.0, 1.0)
+        there = p[b] + (R[b] @ other[..., None])[..., 0]
+        turned = _product(own, q[a] * _CONJUGATE)
+        # The shorter way around, but for limbs whose middle direction says which way they went.
+        flips = turned[:, 0] < 0.0
+        flips[signed] = False
+        turned[flips] *= -1.0
         if len(self.creases):
             folded = _sine_of_bend(turned)[:, None] * self.creases[some]
             here = here + (R[a] @ folded[..., None])[..., 0]
@@ -152,12 +169,41 @@ class Skin:
         return _turned(real, here) + moved
 
 
-def _creases(meshes: Sequence[Mesh]) -> Array:
-    """Return the creases (V, 3) of all vertices of some meshes [m]; (0, 3) without any."""
-    if not any(len(mesh.creases) for mesh in meshes):
+def _rows(meshes: Sequence[Mesh], name: str) -> Array:
+    """Return an optional array (V, 3) of all vertices of some meshes; (0, 3) without any."""
+    found = [getattr(mesh, name) for mesh in meshes]
+    if not any(len(rows) for rows in found):
         return np.zeros((0, 3))
-    parts = (m.creases if len(m.creases) else np.zeros_like(m.vertices) for m in meshes)
+    parts = (x if len(x) else np.zeros_like(m.vertices) for x, m in zip(found, meshes, strict=True))
     return np.concatenate([*parts]).astype(float)
+
+
+def _untwisted(twists: Array, turned: Array) -> Array:
+    """Return turns (n, 4) about Y at rest, wxyz, by which limbs are twisted back.
+
+    The twist is measured from the limb's middle direction, to which it is swung from hanging: so
+    it is defined in all directions but the opposite one. Their signs are such that limbs came by
+    their middle directions.
+
+    Args:
+        twists: (n, 3) middle directions times the shares that are twisted back.
+        turned: (n, 4) turns of the limbs against their trunks, from hanging along -Y.
+    """
+    share = np.sqrt((twists * twists).sum(axis=-1))
+    along = twists / share[:, None]
+    # From hanging to the middle direction; w is the cosine of half the angle.
+    x, y, z = along.T
+    w = np.sqrt(np.maximum(0.5 * (1.0 - y), 1e-12))
+    zero = np.zeros_like(w)
+    swing = np.stack([w, -0.5 * z / w, zero, 0.5 * x / w], axis=-1)
+    further = _product(turned, swing * _CONJUGATE)
+    angle = 2.0 * np.arctan2((further[:, 1:] * along).sum(axis=-1), further[:, 0])
+    angle = np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi
+    # The limb hangs along -Y: back by its twist is ahead about Y.
+    half = 0.5 * share * angle
+    back = np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
+    way = (_product(turned, back) * swing).sum(axis=-1)
+    return back * np.where(way < 0.0, -1.0, 1.0)[:, None]
 
 
 def _sine_of_bend(turned: Array) -> Array:

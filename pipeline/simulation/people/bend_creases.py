@@ -26,6 +26,7 @@ class Hinge:
         bulge: height of the cloth on both sides of it.
         spacing: distance of a bulge from the crease.
         bone: by how much the bone stands out on the other side.
+        fold: depth of the folds that fan out from the crease over the sides.
         slant: by how much the crease runs up from the inner to the outer side of the limb, per
             distance.
     """
@@ -36,16 +37,24 @@ class Hinge:
     bulge: float
     spacing: float
     bone: float
+    fold: float = 0.0
     slant: float = 0.0
 
 
-SLEEVED_ELBOW = Hinge(0.632, 1.0, 0.0095, 0.0075, 0.0200, 0.0060, slant=0.25)
-BARE_ELBOW = Hinge(0.632, 1.0, 0.0060, 0.0020, 0.0180, 0.0050)
-TROUSERED_KNEE = Hinge(0.285, -1.0, 0.0120, 0.0085, 0.0280, 0.0050, slant=0.2)
-BARE_KNEE = Hinge(0.285, -1.0, 0.0080, 0.0030, 0.0240, 0.0040)
+SLEEVED_ELBOW = Hinge(0.632, 1.0, 0.0060, 0.0030, 0.0180, 0.0012, fold=0.0052, slant=0.25)
+BARE_ELBOW = Hinge(0.632, 1.0, 0.0050, 0.0018, 0.0180, 0.0035)
+TROUSERED_KNEE = Hinge(0.285, -1.0, 0.0080, 0.0040, 0.0260, 0.0015, fold=0.0060, slant=0.2)
+BARE_KNEE = Hinge(0.285, -1.0, 0.0070, 0.0025, 0.0240, 0.0030)
 
-SIDES = (-0.010, 0.014)
+SIDES = (-0.014, 0.018)
 """Places along the way a joint closes between which its outside becomes its inside."""
+
+BONE_REACH = 0.026
+"""Distance along the limb in which a bone stands out."""
+
+FAN, FAN_REACH = (0.55, 1.25), 2.2
+"""Distance of folds on the inside and on the outside, and how far from the joint they reach, in
+that of the bulges."""
 
 
 def hinge_creases(
@@ -64,10 +73,14 @@ def hinge_creases(
     aside = (places[:, 2] - z) / g
     up = (places[:, 1] - build.level(hinge.level)) / g - hinge.slant * aside
     inside = ramp(hinge.inner * places[:, 0] / g, *SIDES)
-    crease = np.exp(-((up / (0.45 * hinge.spacing)) ** 2))
     far = np.abs(up) / hinge.spacing
-    bulge = np.exp(-(((far - 1.0) / 0.5) ** 2))
-    second = np.exp(-(((far - 1.9) / 0.42) ** 2))
-    bone = np.exp(-((up / 0.017) ** 2))
-    depth = inside * (hinge.bulge * bulge - hinge.depth * (crease + 0.35 * second))
-    return (g * (depth + (1.0 - inside) * hinge.bone * bone))[:, None] * normals
+    crease = np.exp(-((far / 0.45) ** 2))
+    bulge = np.exp(-(((far - 1.0) / 0.55) ** 2))
+    # Cloth lies on the limb between narrow ridges, which run together in the crease.
+    apart = FAN[1] + (FAN[0] - FAN[1]) * inside
+    ridge = (0.5 + 0.5 * np.cos(2.0 * np.pi * (far / apart - 0.5))) ** 2
+    sides = 4.0 * inside * (1.0 - inside) + 0.35 * inside
+    fold = sides * (ridge - 0.4) * np.exp(-((far / FAN_REACH) ** 4))
+    bone = (1.0 - inside) * np.exp(-((up / BONE_REACH) ** 2))
+    depth = inside * inside * (hinge.bulge * bulge - hinge.depth * crease)
+    return (g * (depth + hinge.fold * fold + hinge.bone * bone))[:, None] * normals

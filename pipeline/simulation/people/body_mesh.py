@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.bend_creases import (
@@ -13,7 +14,7 @@ from pipeline.simulation.people.bend_creases import (
     TROUSERED_KNEE,
     hinge_creases,
 )
-from pipeline.simulation.people.body_frames import FRAMES
+from pipeline.simulation.people.body_frames import ARM_SPREAD, FRAMES, frame_origins
 from pipeline.simulation.people.cloth_folds import (
     LEG as LEG_FOLDS,
 )
@@ -48,15 +49,19 @@ ARM = (
     (0.486, 0.002, 0.0146, 0.0146, 0.0114),
     (0.525, 0.002, 0.0180, 0.0168, 0.0158),
     (0.585, 0.004, 0.0252, 0.0214, 0.0240),
-    (0.612, 0.002, 0.0232, 0.0222, 0.0226),
-    (0.632, -0.002, 0.0196, 0.0240, 0.0202),
-    (0.655, 0.000, 0.0202, 0.0220, 0.0198),
+    (0.612, 0.002, 0.0232, 0.0208, 0.0222),
+    (0.632, -0.001, 0.0192, 0.0216, 0.0198),
+    (0.655, 0.000, 0.0202, 0.0212, 0.0198),
     (0.695, 0.005, 0.0252, 0.0230, 0.0222),
     (0.725, 0.003, 0.0252, 0.0246, 0.0224),
     (0.745, 0.001, 0.0238, 0.0243, 0.0220),
     (0.770, 0.001, 0.0236, 0.0232, 0.0222),
 )
 """Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
+
+
+ELBOW_REACH = 0.040
+"""Distance from the elbow within which the samples of bare arms are twice as dense, in girths."""
 
 
 @cached_part
@@ -72,11 +77,12 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
         (-half_width, build.level(0.395), z - half_width),
         (half_width, build.level(0.80), z + half_width),
     )
-    surface = polygonise(field, low, high, 0.0092 * girth, stretch=1.7)
+    elbow = None if not short_sleeves else (1, build.level(BARE_ELBOW.level), ELBOW_REACH * girth)
+    surface = polygonise(field, low, high, 0.0092 * girth, stretch=1.7, fine=elbow)
     y, wrist = surface.vertices[:, 1], build.level(0.486)
-    elbow = below_elbow(build, surface.vertices[:, 1])
+    forearm = below_elbow(build, surface.vertices[:, 1])
     hand = 1.0 - ramp(y, wrist - 0.012 * girth, wrist + 0.012 * girth)
-    by_elbow = surface.follow("upper_arm_r", "forearm_r", elbow)
+    by_elbow = surface.follow("upper_arm_r", "forearm_r", forearm)
     by_wrist = surface.follow("forearm_r", "hand_r", hand)
     low_part = y < 0.5 * (wrist + build.level(0.632))
     frames = np.where(low_part[:, None], by_wrist.frames, by_elbow.frames)
@@ -84,9 +90,9 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     crease = hinge_creases(build, BARE_ELBOW, surface.vertices, normals, z)
     crease[low_part] = 0.0
     arm = SkinnedPatch(
-        surface.vertices, surface.faces, frames, np.where(low_part, hand, elbow), crease=crease
+        surface.vertices, surface.faces, frames, np.where(low_part, hand, forearm), crease=crease
     )
-    return with_mirror(merge_patches([arm, *fingers(build)]))
+    return with_mirror(merge_patches([on_twisted_arm(build, arm), *fingers(build)]))
 
 
 SLEEVED, IN_SLEEVE = ((0.712, 0.724), (0.497, 0.509)), 0.007
@@ -102,6 +108,34 @@ def _depth_between(build: BodyMeasures, levels: tuple[float, float], most: float
         return np.asarray(most * build.girth * ramp(places[:, 1], low, high))
 
     return depth
+
+
+TWISTED = 0.0, 0.150
+"""Distances below the shoulder between which an arm takes the twist of its bone, in girths: the
+deltoid takes none of it."""
+
+
+def held_twist(build: BodyMeasures, heights: Array) -> Array:
+    """Return the twist (n, 3) of places of a hanging right arm at some heights [m].
+
+    See `SkinnedPatch.twist`.
+    """
+    top = frame_origins(build.proportions)[FRAMES.index("upper_arm_r"), 1]
+    share = 1.0 - ramp((top - heights) / build.girth, *TWISTED)
+    return share[:, None] * ARM_SPREAD
+
+
+def on_twisted_arm(build: BodyMeasures, patch: SkinnedPatch) -> SkinnedPatch:
+    """Return a patch of a hanging right arm that takes the twist of its bone along its length."""
+    twist = held_twist(build, patch.vertices[:, 1])
+    is_twisted: NDArray[np.bool_] = np.abs(twist).max(axis=1) > 0.0
+    pair = [FRAMES.index("chest"), FRAMES.index("upper_arm_r")]
+    return replace(
+        patch,
+        frames=np.where(is_twisted[:, None], pair, patch.frames),
+        share=np.where(is_twisted, 1.0, patch.share),
+        twist=twist,
+    )
 
 
 def below_elbow(build: BodyMeasures, heights: Array) -> Array:
@@ -154,6 +188,9 @@ SHIN = (
 TROUSER_END = 0.029
 """Height of the hem of trousers, on the shoe."""
 
+KNEE_REACH = 0.055
+"""Distance from the knee within which the samples of trousers are twice as dense, in girths."""
+
 CROTCH_LEVEL = 0.468
 LEG_SPREAD = 0.2  # of the legs while they are polygonised: thighs all but touch
 
@@ -184,7 +221,14 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
     low = (-0.1 * girth, build.level(end), -half_width)
     high = (0.1 * girth, build.level(0.64), half_width)
     surface = polygonise(
-        spread, low, high, 0.0163 * girth, stretch=0.88, symmetric=True, hem=build.level(end)
+        spread,
+        low,
+        high,
+        0.0163 * girth,
+        stretch=0.88,
+        symmetric=True,
+        hem=build.level(end),
+        fine=(1, build.level(TROUSERED_KNEE.level), KNEE_REACH * girth),
     )
     places = surface.vertices.copy()
     places[:, 2] -= np.sign(places[:, 2]) * _spread(build, places[:, 1])

@@ -47,9 +47,9 @@ class Gather:
 
 
 SLEEVE = (
-    Gather(0.634, 0.042, 0.029, 0.0064, slant=0.55, run=0.3, front=(1.0, 0.45)),
-    Gather(0.524, 0.030, 0.024, 0.0046, slant=0.25, run=-0.3),
-    Gather(0.758, 0.032, 0.034, 0.0036, slant=-0.35, run=1.0, front=(1.0, 0.7)),
+    Gather(0.634, 0.042, 0.029, 0.0040, slant=0.55, run=0.3, front=(1.0, 0.45)),
+    Gather(0.524, 0.030, 0.024, 0.0030, slant=0.25, run=-0.3),
+    Gather(0.740, 0.032, 0.034, 0.0016, slant=-0.35, run=1.0, front=(1.0, 0.7)),
 )
 """Of a long sleeve: at the elbow, above the cuff, and below the shoulder."""
 
@@ -64,7 +64,7 @@ SHIRT = (
 
 LEG = (
     Gather(0.066, 0.034, 0.030, 0.0060, slant=-0.40, run=0.4, front=(1.0, 0.75)),
-    Gather(0.268, 0.044, 0.036, 0.0060, slant=-0.35, run=0.4, front=(0.60, 1.0)),
+    Gather(0.268, 0.044, 0.036, 0.0046, slant=-0.35, run=0.4, front=(0.60, 1.0)),
     Gather(0.455, 0.040, 0.034, 0.0044, slant=0.25, run=0.95, front=(1.0, 0.7)),
 )
 """Of trousers: over the shoe, at the knee, and from the crotch outward."""

@@ -114,9 +114,10 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
     weights = mesh.weights.copy()
     weights[alone] = [1.0, 0.0]
     nodes[alone, 1] = np.where(nodes[alone, 0] == 0, bones.links[FRAMES.index("head")], 0)
-    # Hair, creases, and what faces and hands move, turn with the frame that a vertex follows most.
+    # Hair, creases, twists, and what faces and hands move, turn with the frame that a vertex
+    # follows most.
     own = bones.turns[mesh.nodes[np.arange(len(nodes)), mesh.weights.argmax(axis=1)]]
-    hair, offsets, creases = mesh.hair, mesh.offsets, mesh.creases
+    hair, offsets, creases, twists = mesh.hair, mesh.offsets, mesh.creases, mesh.twists
     if len(hair):
         hair = (own * hair[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
     if len(offsets):
@@ -126,6 +127,9 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
         creases = (own * creases[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
         # Their second node stands for none, whatever its bend.
         creases[alone] = 0.0
+    if len(twists):
+        twists = (own * twists[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
+        twists[alone] = 0.0
     moved = replace(
         mesh,
         vertices=places.astype(np.float32),
@@ -134,8 +138,9 @@ def _on_links(layer: MaterialLayer, bones: PersonBones) -> MaterialLayer:
         hair=hair,
         offsets=offsets,
         creases=creases,
+        twists=twists,
     )
-    for array in (moved.vertices, moved.nodes, moved.weights, hair, offsets, creases):
+    for array in (moved.vertices, moved.nodes, moved.weights, hair, offsets, creases, twists):
         array.setflags(write=False)
     return replace(layer, mesh=moved)
 

@@ -45,13 +45,13 @@ MIDDLE_ROWS = 13
 UPPER_LIP_DEG, LOWER_LIP_DEG = 4.2, 5.4
 """Heights of the lips."""
 
-UPPER_LIP, LOWER_LIP, LIP_GROOVE = 0.017, 0.021, 0.012
+UPPER_LIP, LOWER_LIP, LIP_GROOVE = 0.014, 0.018, 0.009
 """By how much lips stand out, and how deep they meet."""
 
 UPPER_LID_DEG, LOWER_LID_DEG = 17.0, 13.0
 """Heights of the skin that goes with a lid."""
 
-OPEN_UPPER, OPEN_LOWER = 0.41, 0.33
+OPEN_UPPER, OPEN_LOWER = 0.39, 0.36
 """Heights of an open eye above and below its corners, in radii of the eyeball."""
 
 SHUT_LOWER = 0.72

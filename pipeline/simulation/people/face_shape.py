@@ -49,8 +49,8 @@ class FaceShape:
     def eye(self) -> tuple[Array, float]:
         """Middle (3,) and radius of the right eyeball."""
         c = self.child
-        middle = np.array([0.283 - 0.008 * c, ADULT_EYE_HEIGHT - self.drop, 0.150])
-        return middle, 0.080 + 0.008 * c
+        middle = np.array([0.290 - 0.008 * c, ADULT_EYE_HEIGHT - self.drop, 0.150])
+        return middle, 0.0755 + 0.008 * c
 
     @property
     def drop(self) -> float:
@@ -108,13 +108,13 @@ def _sockets(face: FaceShape) -> Field:
 def _nose(face: FaceShape) -> list[Field]:
     """Return bridge, tip, septum and wings."""
     size = 1.0 - 0.30 * face.child
-    bridge = (0.335, 0.075 - face.drop, 0.0), (0.362 + 0.060 * size, -0.115, 0.0)
-    tip = np.array([0.052, 0.045, 0.050]) * (0.5 + 0.5 * size)
+    bridge = (0.335, 0.075 - face.drop, 0.0), (0.362 + 0.044 * size, -0.112, 0.0)
+    tip = np.array([0.046, 0.044, 0.049]) * (0.5 + 0.5 * size)
     aside = 0.050 * (0.4 + 0.6 * size)
     return [
         round_cone(*bridge, 0.026, 0.036),
-        ellipsoid((0.385 + 0.052 * size, -0.135, 0.0), tip),
-        ellipsoid((0.385 + 0.020 * size, -0.172, 0.0), (0.050, 0.016, 0.018)),
+        ellipsoid((0.385 + 0.033 * size, -0.140, 0.0), tip),
+        ellipsoid((0.380 + 0.014 * size, -0.173, 0.0), (0.048, 0.016, 0.018)),
         *(
             ellipsoid((0.372 + 0.012 * size, -0.150, aside * m), (0.042, 0.032, 0.027))
             for m in SIDES

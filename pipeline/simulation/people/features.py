@@ -21,7 +21,7 @@ BEARDED = 0.45
 WIDTH, JAW, CHIN = 0.030, 0.055, 0.016
 """Standard deviation of the breadths of head and jaw, and of the length of the chin."""
 
-NOSE_WIDTH, NOSE_LENGTH, NOSE_DROP = 0.16, 0.016, 0.011
+NOSE_WIDTH, NOSE_LENGTH, NOSE_DROP = 0.16, 0.009, 0.011
 """Standard deviation of breadth and length of a nose, and of the height of its tip."""
 
 BROW, CHEEKS, LIPS = 0.009, 0.011, 0.008

@@ -17,7 +17,7 @@ from pipeline.simulation.people.bend_creases import (
     hinge_creases,
 )
 from pipeline.simulation.people.body_frames import FRAMES
-from pipeline.simulation.people.body_mesh import ARM, LEG
+from pipeline.simulation.people.body_mesh import ARM, LEG, on_twisted_arm
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field
 from pipeline.simulation.people.signed_distance import (
@@ -366,5 +366,8 @@ def stripes(build: BodyMeasures) -> SkinnedPatch:
         # As the cloth below, outward of the limb.
         outward = np.broadcast_to([0.0, 0.0, 1.0], stripe.vertices.shape)
         crease = hinge_creases(build, hinge, stripe.vertices, outward, z)
-        patches.append(replace(stripe.follow(*frames, share), crease=crease))
+        patch = replace(stripe.follow(*frames, share), crease=crease)
+        if rows is ARM:
+            patch = on_twisted_arm(build, patch)
+        patches.append(patch)
     return with_mirror(merge_patches(patches))

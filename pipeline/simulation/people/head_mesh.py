@@ -157,7 +157,7 @@ def _with_units(head: Head, patch: SkinnedPatch, skin: FaceSkin) -> SkinnedPatch
     )
 
 
-LASH_LINE, LASH_SHARE, LOWER_LASH_SHARE = 0.97, 0.85, 0.30
+LASH_LINE, LASH_SHARE, LOWER_LASH_SHARE = 0.97, 0.75, 0.15
 """Share of a lid from which it is its margin, and how dark lashes make the upper and the lower."""
 
 
@@ -246,13 +246,13 @@ def ears(head: Head) -> SkinnedPatch:
     return with_mirror(replace(patch, tint=red))
 
 
-EYE_RINGS_DEG = np.array([8.0, 15.0, 17.0, 22.0, 29.0, 30.0, 34.0, 36.0, 50.0, 68.0, 90.0, 130.0])
+EYE_RINGS_DEG = np.array([7.0, 13.5, 15.5, 20.0, 27.0, 28.0, 31.5, 33.0, 50.0, 68.0, 90.0, 130.0])
 """Rings of an eyeball around its axis, denser where its colour changes."""
 
-PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 16.0, 29.5, 35.0
+PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 14.5, 27.5, 32.0
 """Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
 
-LID_SHADE, CORNER_SHADE = 0.52, 0.30
+LID_SHADE, CORNER_SHADE = 0.60, 0.45
 """How dark the upper lid makes an eye, and its corners."""
 
 EYE_SEGMENTS = 14
@@ -271,8 +271,8 @@ def eyeballs(head: Head) -> SkinnedPatch:
     solid = loft(rings, np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
     own = np.degrees(np.arccos(np.clip(solid.vertices[:, 0], -1.0, 1.0)))
     kind = np.select([own < PUPIL_DEG, own < IRIS_DEG, own < LIMBUS_DEG], [PUPIL, IRIS, LIMBUS], 0)
-    above = ramp(solid.vertices[:, 1], -0.10, 0.55)
-    beside = ramp(np.abs(solid.vertices[:, 2]), 0.35, 0.9)
+    above = ramp(solid.vertices[:, 1], -0.15, 0.45)
+    beside = ramp(np.abs(solid.vertices[:, 2]), 0.35, 0.85)
     shade = (1.0 - LID_SHADE * above) * (1.0 - CORNER_SHADE * beside)
     tint = np.stack([kind, kind > 0], axis=-1).astype(float)
     places = head.on_body(middle + radius * solid.vertices)
@@ -302,7 +302,7 @@ def teeth(head: Head) -> SkinnedPatch:
     return merge_patches(rows)
 
 
-BROW_LINE = ((0.050, 0.127), (0.09, 0.138), (0.145, 0.146), (0.20, 0.137), (0.245, 0.110))
+BROW_LINE = ((0.050, 0.112), (0.09, 0.120), (0.145, 0.126), (0.20, 0.117), (0.245, 0.092))
 """Places of a brow, out and up."""
 
 BROW_RADII = np.array([0.0075, 0.0105, 0.0098, 0.0075, 0.0040])

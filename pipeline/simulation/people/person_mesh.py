@@ -215,6 +215,8 @@ def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:
         shows = np.abs(patch.crease).max(axis=1, keepdims=True) > LEAST_CREASE
         if shows.any():
             extra["creases"] = np.where(shows, patch.crease, 0.0)
+    if len(patch.twist):
+        extra["twists"] = patch.twist
     mesh = Mesh(
         patch.vertices.astype(np.float32),
         np.ascontiguousarray(patch.faces, dtype=np.uint32),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.bend_creases import SLEEVED_ELBOW, hinge_creases
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
-from pipeline.simulation.people.body_mesh import ARM, below_elbow
+from pipeline.simulation.people.body_mesh import ARM, below_elbow, held_twist
 from pipeline.simulation.people.cloth_folds import (
     SHIRT,
     SHORT_SLEEVE,
@@ -72,7 +72,7 @@ JOINED, CUT_EDGE = 0.030, 0.004
 """Distances over which trunk and sleeves round into each other, and the end of a sleeve, in girths.
 """
 
-SHOULDER, LOOSE = (-0.014, 0.048), 0.045
+SHOULDER, LOOSE = (-0.050, 0.020), 0.045
 """Between which places along the arm cloth goes from the chest to it, and the distance from the
 trunk from which it follows the arm alone, in girths."""
 
@@ -80,19 +80,21 @@ DRAWN, BESIDE = 0.022, (0.105, 0.045)
 """Depth of the trunk from which cloth is drawn along by an arm, and the distances from the shoulder
 between which that comes about, in girths: less would fold it into itself before the chest."""
 
-SUNK, SLOPE = 0.013, (0.045, 0.020)
+SUNK, SLOPE = 0.010, (0.045, 0.020)
 """By how much shoulders are lower with the arms let down, and the distances from the joint, to the
 neck and outward, between which that comes about, in girths: letting down heaps cloth up there."""
 
-LIFTED, LIFT_START, LIFT_END = 0.019, (0.030, 0.078), (0.80, 0.25)
+LIFTED, LIFT_START, LIFT_LEVELS, LIFT_END = 0.016, (0.030, 0.090), (0.750, 0.790), (1.0, 0.85)
 """By how much a shoulder rises with an arm that is lifted by a right angle, the places beside the
-neck between which that begins, both in girths, and the shares of the arm between which it ends."""
+neck between which that begins, both in girths; heights between which it comes about, and the shares
+of the arm between which it ends."""
 
 SLEEVE_THICKNESS = 0.0036
 """Of a sleeve with the air in it, in girths."""
 
-CELL = 0.0120
-"""Distance of the samples of a shirt, in girths."""
+CELL, ELBOW_REACH = 0.0120, 0.050
+"""Distance of the samples of a shirt, and from an elbow within which they are twice as dense, in
+girths."""
 
 SHORT_END, LONG_END = 0.715, 0.500
 """Heights of the ends of sleeves that hang, as fractions of an adult's height."""
@@ -115,7 +117,9 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     whole = smooth_union([folded(trunk, trunk_folds), spread_sleeve], JOINED * g)
     wide = joint[2] + (joint[1] - end) * np.sin(SPREAD) + 0.05 * g
     low, high = (-0.1 * g, hem, -wide), (0.1 * g, build.level(0.90), wide)
-    net = polygonise(whole, low, high, CELL * g, symmetric=True, hem=hem)
+    elbow = joint[2] + (joint[1] - build.level(SLEEVED_ELBOW.level)) * np.sin(SPREAD)
+    fine = None if short_sleeves else (2, elbow, ELBOW_REACH * g)
+    net = polygonise(whole, low, high, CELL * g, symmetric=True, hem=hem, fine=fine)
     side = np.where(net.vertices[:, 2:] < 0.0, MIRROR, 1.0)
     spread = side * net.vertices
     straight = _swung(spread, joint, -SPREAD)
@@ -127,7 +131,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))
     hanging = _swung(spread, joint, -turned)
     hanging[:, 1] -= _slope(build, hanging)
-    frames, share = _followed(build, hanging, straight, pull)
+    frames, share, twist = _followed(build, hanging, straight, pull)
     by_trunk = fold_shade(build, trunk_folds, spread)
     shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
     normals = side * vertex_normals(side * hanging, net.faces)
@@ -143,6 +147,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
         share,
         shade=shade * _armpit_shade(build, hanging, pull),
         crease=side * crease,
+        twist=side * twist,
     )
 
 
@@ -163,13 +168,16 @@ def _slope(build: BodyMeasures, hanging: Array) -> Array:
 def _lift(build: BodyMeasures, hanging: Array) -> Array:
     """Return by how much cloth (n,) rises with the shoulder of a lifted arm [m]."""
     g, y, z = build.girth, hanging[:, 1], hanging[:, 2]
-    return LIFTED * g * ramp(z / g, *LIFT_START) * ramp(y, build.level(0.765), build.level(0.805))
+    low, high = (build.level(level) for level in LIFT_LEVELS)
+    return LIFTED * g * ramp(z / g, *LIFT_START) * ramp(y, low, high)
 
 
 def _followed(
     build: BodyMeasures, hanging: Array, straight: Array, pull: Array
-) -> tuple[NDArray[np.int64], Array]:
-    """Return the two frames (n, 2) that places of the right side follow, and the second's share.
+) -> tuple[NDArray[np.int64], Array, Array]:
+    """Return what places of the right side follow: two frames (n, 2), and the second's share.
+
+    The last is the twist (n, 3) of `SkinnedPatch`.
 
     Args:
         build: measures of the person.
@@ -181,13 +189,14 @@ def _followed(
         FRAMES.index(name) for name in ("pelvis", "chest", "upper_arm_r", "forearm_r")
     )
     up, bent = chest_share(build, hanging[:, 1]), below_elbow(build, straight[:, 1])
-    is_arm = pull >= 1.0
+    held = held_twist(build, straight[:, 1])
+    is_arm = (pull >= 1.0) & ~held.any(axis=1)
     # Where nothing follows the arm, it may still lift the cloth.
     is_shoulder = ~is_arm & ((pull > 0.0) | (up >= 1.0))
     first = np.where(is_arm, upper, np.where(is_shoulder, chest, pelvis))
     second = np.where(is_arm, fore, np.where(is_shoulder, upper, chest))
     share = np.where(is_arm, bent, np.where(is_shoulder, pull, up))
-    return np.stack([first, second], axis=-1), share
+    return np.stack([first, second], axis=-1), share, np.where(is_shoulder[:, None], held, 0.0)
 
 
 def _armpit_shade(build: BodyMeasures, hanging: Array, pull: Array) -> Array:

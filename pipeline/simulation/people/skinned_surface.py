@@ -71,6 +71,8 @@ class SkinnedPatch:
         shade: (V,) factor on the colour, less than 1 in folds and hollows; (0,) for none.
         crease: (V, 3) by which vertices move where their frames are bent by a right angle [m];
             (0, 3) for none.
+        twist: (V, 3) middle direction of the limb, as long as the share of the second frame's twist
+            that a vertex does not take; (0, 3) for none.
     """
 
     vertices: Array
@@ -82,6 +84,7 @@ class SkinnedPatch:
     tint: Array = field(default_factory=lambda: np.zeros((0, 2)))
     shade: Array = field(default_factory=lambda: np.zeros(0))
     crease: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    twist: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def tints(self) -> Array:
@@ -98,6 +101,11 @@ class SkinnedPatch:
         """Moves of bent vertices (V, 3), with none written out [m]."""
         return self.crease if len(self.crease) else np.zeros_like(self.vertices)
 
+    @property
+    def twists(self) -> Array:
+        """Middle directions (V, 3) times the shares of twist not taken, with none written out."""
+        return self.twist if len(self.twist) else np.zeros_like(self.vertices)
+
     def mirrored(self) -> SkinnedPatch:
         """Return the patch mirrored to the other side of the body, with its frames."""
         return SkinnedPatch(
@@ -110,6 +118,7 @@ class SkinnedPatch:
             self.tint,
             self.shade,
             self.crease * MIRROR,
+            self.twist * MIRROR,
         )
 
 
@@ -147,6 +156,9 @@ def merge_patches(patches: Sequence[SkinnedPatch]) -> SkinnedPatch:
         np.concatenate([p.creases for p in patches])
         if any(len(p.crease) for p in patches)
         else np.zeros((0, 3)),
+        np.concatenate([p.twists for p in patches])
+        if any(len(p.twist) for p in patches)
+        else np.zeros((0, 3)),
     )
 
 
@@ -163,6 +175,7 @@ def polygonise(
     stretch: float = 1.0,
     symmetric: bool = False,
     hem: float | None = None,
+    fine: tuple[int, float, float] | None = None,
 ) -> Surface:
     """Return the zero surface of a field.
 
@@ -174,6 +187,8 @@ def polygonise(
         stretch: factor of the distance in height.
         symmetric: whether both sides of the body are alike, and sampled alike.
         hem: height at which the solid is cut off by an even edge, in place of the box's [m].
+        fine: axis, and the place on it with the distance within which samples are twice as dense;
+            on both sides of a symmetric solid [m].
     """
     if symmetric:
         field = symmetric_field(field)
@@ -184,12 +199,18 @@ def polygonise(
     ]
     if hem is not None:
         axes[1] = _hemmed_samples(hem, high[1], steps[1])
+    if fine is not None:
+        axes[fine[0]] = _halved_steps(axes[fine[0]], *fine[1:])
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     values = field(grid.reshape(-1, 3)).reshape(grid.shape[:3])
     if hem is not None:
         # All below the edge is cut away.
         values[:, 0] = cell
     _fill_pinches(values)
+    while symmetric and (values != values[..., ::-1]).any():
+        # Of two samples in a pinch the one that is filled may differ between the sides.
+        np.minimum(values, values[..., ::-1].copy(), out=values)
+        _fill_pinches(values)
     vertices, faces = surface_nets(values, np.zeros(3), 1.0)
     places = np.stack(
         [np.interp(vertices[:, k], np.arange(len(axes[k])), axes[k]) for k in range(3)], axis=-1
@@ -289,6 +310,13 @@ def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
         half = int(np.ceil(high / step + 0.5))
         return (np.arange(-half, half, dtype=float) + 0.5) * step
     return low + step * np.arange(int(np.ceil((high - low) / step)) + 1, dtype=float)
+
+
+def _halved_steps(samples: Array, place: float, reach: float) -> Array:
+    """Return samples (n,) with more half way between those that lie near a place on either side."""
+    middles = 0.5 * (samples[1:] + samples[:-1])
+    near = np.abs(np.abs(middles) - place) < reach
+    return np.sort(np.concatenate([samples, middles[near]]))
 
 
 def _project_to_surface(

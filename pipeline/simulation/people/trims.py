@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
-from pipeline.simulation.people.body_mesh import ARM, LEG
+from pipeline.simulation.people.body_mesh import ARM, LEG, on_twisted_arm
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.shirt_mesh import SLEEVE_THICKNESS, TORSO, torso_breadths
 from pipeline.simulation.people.skinned_surface import (
@@ -107,6 +107,7 @@ def cuffs(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     outline, z = build.outline(ARM), build.shoulders
     if short_sleeves:
         band = _band(build, outline, SHORT_CUFF, SLEEVE_THICKNESS, z).follow("upper_arm_r")
+        band = on_twisted_arm(build, band)
     else:
         band = _band(build, outline, CUFF, SLEEVE_THICKNESS, z).follow("forearm_r")
     return with_mirror(band)

@@ -78,6 +78,38 @@ def test_creases_act_by_the_sine_of_the_bend(degrees: float, share: float) -> No
     np.testing.assert_allclose(posed, wanted, atol=1e-7)
 
 
+@pytest.mark.parametrize("held", [1.0, 0.5])
+def test_a_vertex_leaves_out_a_share_of_the_twist_of_its_limb(held: float) -> None:
+    """The second node is twisted by 80 degrees about its limb, which is swung ahead by 90."""
+    twist, middle = np.radians(80.0), np.array([1.0, 0.0, 0.0])
+    c, s = np.cos(twist / 2), np.sin(twist / 2)
+    root = np.sqrt(0.5)
+    # From hanging to ahead about Z; before that about Y.
+    q = np.array([[1.0, 0.0, 0.0, 0.0], [root * c, -root * s, root * s, root * c]])
+    mesh = Mesh(
+        np.array([[0.1, -0.5, 0.0]] * 3, np.float32),
+        np.array([[0, 1, 2]], np.uint32),
+        np.array([[0, 1]] * 3, np.int32),
+        np.array([[0.0, 1.0]] * 3, np.float32),
+        twists=np.array([held * middle, 0 * middle, held * middle], np.float32),
+    )
+    take = SimpleNamespace(
+        nodes=[SimpleNamespace(rest=(0.0, 0.0, 0.0))] * 2,
+        rotations=q[None],
+        positions=np.zeros((1, 2, 3)),
+        scales=np.zeros((1, 0, 3)),
+        scaled=(),
+        alive=np.ones((1, 2), bool),
+        faces=(),
+    )
+    posed = Skin.of_meshes(take, [mesh]).posed(take, 0)  # type: ignore[arg-type]
+    for place, share in zip(posed, (held, 0.0, held), strict=True):
+        angle = (1.0 - share) * twist
+        # Of the 0.1 m ahead of the hanging limb, which point up once it is swung ahead.
+        wanted = [0.5, 0.1 * np.cos(angle), -0.1 * np.sin(angle)]
+        np.testing.assert_allclose(place, wanted, atol=1e-6)
+
+
 def rigid(skin: Skin, node: int) -> NDArray[np.bool_]:
     """Return which vertices follow one node alone."""
     found: NDArray[np.bool_] = (skin.nodes[0] == node) & (skin.weights[1, :, 0] == 0.0)

@@ -14,6 +14,7 @@ from pipeline.simulation.face_units import COLUMNS, EYE_TURN, UNITS
 from pipeline.simulation.people.face_mesh import FaceGrid, face_grid
 from pipeline.simulation.people.face_morphs import FaceSkin, unit_offsets
 from pipeline.simulation.people.face_shape import FaceShape
+from pipeline.simulation.people.head_mesh import LIMBUS_DEG
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Face, Mesh, Node, Part
 from pipeline.spec.expression import EMOTIONS
@@ -158,3 +159,28 @@ def test_faces_move_the_vertices_of_their_own_performer() -> None:
     np.testing.assert_allclose(np.linalg.norm(after[3:5], axis=1), 0.012, atol=1e-6)
     halfway = skin.posed(take, 0.5)[5] - (middle + spokes[2])
     assert halfway[2] == pytest.approx(0.25 * 0.004, abs=3e-4)
+
+
+@FACES
+def test_lids_at_rest_lie_on_the_iris_and_leave_no_white_above_or_below(shape: FaceShape) -> None:
+    grid = face_grid(shape)
+    eye, radius = shape.eye
+    iris = radius * np.sin(np.radians(LIMBUS_DEG))
+    ahead = (np.abs(grid.vertices[:, 2] - eye[2]) < 0.02) & (grid.vertices[:, 0] > eye[0])
+    for lid in (1.0, -1.0):
+        margin = grid.vertices[ahead & (lid * grid.lid > 0.97), 1]
+        height = lid * (margin - eye[1]) / iris
+        assert len(height) > 1
+        # In the upper third of the iris, or the lower half.
+        assert (height < 0.9).all()
+        assert (height > (1 / 3 if lid > 0.0 else 0.45)).all()
+
+
+@FACES
+def test_the_tip_of_a_nose_stands_out_a_little_before_its_root(shape: FaceShape) -> None:
+    grid = face_grid(shape)
+    x, y, z = grid.vertices.T
+    middle = np.abs(z) < 0.02
+    tip = x[middle & (np.abs(y + 0.14) < 0.05)].max()
+    root = x[middle & (np.abs(y - shape.eye[0][1]) < 0.03)].max()
+    assert 0.03 < tip - root < 0.07

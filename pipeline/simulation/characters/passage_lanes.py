@@ -98,8 +98,6 @@ def take_lane(
         return x, z
     for i in range(len(walls)):
         for j in range(i):
-            if _least_width(solids.bodies[walls[j]], solids.bodies[walls[i]]) > WIDEST:
-                continue
             found, a, b = _closest_places(person, solids, walls[j], walls[i])
             width = hypotenuse(b[0] - a[0], b[2] - a[2])
             if not found or width < NARROWEST or width > WIDEST:
@@ -117,14 +115,6 @@ def leave_lane(person: Record) -> None:
     """Let a person keep to no lane."""
     person.lane_room = math.inf
     person.lane_right[0] = person.lane_right[1] = 0.0
-
-
-@inlined
-def _least_width(one: Record, other: Record) -> float:
-    """Return the distance of the bounding boxes of two walls from above [m]."""
-    x = max(one.low[0] - other.high[0], other.low[0] - one.high[0], 0.0)
-    z = max(one.low[2] - other.high[2], other.low[2] - one.high[2], 0.0)
-    return hypotenuse(x, z)
 
 
 @inlined

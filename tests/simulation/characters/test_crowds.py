@@ -40,7 +40,6 @@ from pipeline.simulation.characters.right_of_way import (
     lag_at_crossing,
     lag_at_passage,
 )
-from pipeline.simulation.characters.solid_arrays import SOLID
 from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array
@@ -395,21 +394,6 @@ def test_who_meets_others_in_an_opening_keeps_to_its_right_half() -> None:
     assert len(sides) == 8
     assert min(sides) > 0.0
     assert not watch.outcome.hurt
-
-
-def test_walls_whose_boxes_lie_farther_apart_than_an_opening_make_none(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(passage_lanes, "hypotenuse", math.hypot)
-    plain: Any = passage_lanes._least_width
-    two = zero_records(2, SOLID)
-    two["low"], two["high"] = (
-        [[-1.0, 0.0, -2.0], [3.0, 0.0, 6.0]],
-        [[0.0, 2.0, 2.0], [5.0, 2.0, 9.0]],
-    )
-    assert plain.py_func(two[0], two[1]) == plain.py_func(two[1], two[0]) == 5.0
-    two["low"][1] = -0.5, 5.0, 1.0
-    assert plain.py_func(two[0], two[1]) == 0.0
 
 
 def test_who_walks_about_behind_an_opening_is_not_met_in_it(

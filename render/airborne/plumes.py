@@ -1,6 +1,7 @@
 """Plumes for Dr.Jit: flames that glow and smoke that scatters, marched along rays.
 
-The density is a body of revolution, bent by the wind and eroded by noise that rises with the gas.
+The density is bent by the wind and eroded by noise that rises with the gas. Smoke is a body of
+revolution, flames are tongues over their foot.
 Flames give off the light of glowing soot, hotter inside, and hide little. Smoke scatters the key
 light, which it dims itself on its way, the light of all directions, and that of the flames near it;
 light scattered more than once and shadows of surfaces in the smoke are left out.
@@ -34,7 +35,7 @@ _SMOKE_DEPTH = 4.5
 _FLAME_DEPTH = 0.35
 """Optical depth across flames."""
 _FLAME_RIM = 1.3
-"""Radius at which flames end, in the radius of their foot."""
+"""Radius at which flames end, in radii of their foot."""
 _FLAME_LIGHT = 1.0
 """Radiant intensity of flames for each unit of glow and square metre of their outline."""
 
@@ -141,7 +142,7 @@ class PlumeVolume:
         return 0.5 * (self.low + self.high)
 
     def _density(self, p: Any, octaves: int) -> tuple[Any, Any, Any]:
-        """Return extinction [1/m], heat from 0 to 1, and radius of the plume there [m]."""
+        """Return extinction [1/m], heat from 0 to 1, and radius, of flames that of the foot [m]."""
         q = p - self._foot
         s = dr.clip(q.y / self._height, 0.0, 1.0)
         x = q.x - self._bend[0] * q.y * (0.35 + 0.65 * s)
@@ -158,13 +159,14 @@ class PlumeVolume:
         wave = 0.8 * up + self._seed[0]
         x = x + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 2.5) - 1.0)
         z = z + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 8.5) - 1.0)
-        out = (x * x + z * z) * (size * size)
+        radius_squared = (x * x + z * z) * (size * size)
         # Gas leaves the whole foot. It is drawn to the middle as it rises, in tongues that are each
         # as tall as their part of the foot feeds them, so that the low flames of the rim lick
         # around what lies there.
-        fed = noise3(1.5 * x * size + self._seed[1], 0.30 * up, 1.5 * z * size + self._seed[0])
-        tall = dr.clip(1.0 - out / _FLAME_RIM**2, 0.0, 1.0) * dr.clip(2.2 * fed - 0.25, 0.22, 1.0)
-        t = s / dr.maximum(tall, 0.02)
+        supply = noise3(1.5 * x * size + self._seed[1], 0.30 * up, 1.5 * z * size + self._seed[0])
+        share_of_height = dr.clip(2.2 * supply - 0.25, 0.22, 1.0)
+        share_of_height *= dr.clip(1.0 - radius_squared / _FLAME_RIM**2, 0.0, 1.0)
+        t = s / dr.maximum(share_of_height, 0.02)
         # Tongues curl: the noise that parts them is bent by a slower one.
         bend = 0.55 * (0.3 + s) * self._radius
         slow = 1.3 * size
@@ -174,15 +176,17 @@ class PlumeVolume:
         )
         noise = self._noise(3.4 * x * size, 0.80 * up, 3.4 * z * size, octaves)
         body = 0.80 - t + (3.2 + 4.4 * dr.minimum(t, 1.0)) * (noise - 0.5)
-        is_inside = (y > 0.0) & (y < self._height) & (tall > 0.0)
+        is_inside = (y > 0.0) & (y < self._height) & (share_of_height > 0.0)
         share = dr.clip(9.0 * body - 0.4, 0.0, 1.0) * dr.clip(20.0 * s, 0.0, 1.0)
         # Gas burns where it meets the air: flames are bright sheets about a darker core.
         sheet = dr.exp(-dr.square((body - 0.3) / 0.24))
+        # Tips fade before the bounds cut them.
+        share *= dr.clip(6.0 * (1.0 - s), 0.0, 1.0)
         share = dr.select(is_inside, share * (0.45 + 0.8 * sheet), 0.0)
         # Hottest low in the middle, where fuel burns; tips and rims cool.
-        core = dr.exp(-2.6 * out - 4.0 * s * s)
+        core = dr.exp(-2.6 * radius_squared - 4.0 * s * s)
         heat = dr.clip(0.44 * body + 0.13 + 0.44 * core - 0.14 * s, 0.0, 1.0)
-        return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, self._radius + 0.0 * s
+        return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, self._radius
 
     def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
         wide = self._radius * (1.0 + SMOKE_WIDENING * s)

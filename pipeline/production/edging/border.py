@@ -77,7 +77,7 @@ class Border:
         placed: plants.
         plots: built ground.
         lanterns: (N, 3) places of the lights of street lamps [m], of each row of them.
-        fronts: of houses near by, on which the weather leaves traces.
+        fronts: facades of the first row of houses, on which the weather leaves traces.
     """
 
     low: Array

@@ -89,7 +89,7 @@ class Carpentry:
         )
 
 
-def in_cells(mesh: Mesh, cell: float, is_divided: Array) -> Mesh:
+def subdivide_sides(mesh: Mesh, cell: float, is_divided: Array) -> Mesh:
     """Return a mesh of four-cornered sides with those divided that are larger than a cell.
 
     Args:
@@ -99,7 +99,9 @@ def in_cells(mesh: Mesh, cell: float, is_divided: Array) -> Mesh:
     """
     assert mesh.rest is not None
     corners, rest = mesh.vertices.reshape(-1, 4, 3), mesh.rest.reshape(-1, 4, 3)
-    edges = np.linalg.norm(corners[:, [1, 2]] - corners[:, [0, 1]], axis=-1)
+    # Of a side that tapers the longer of two opposite edges counts.
+    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=-1)
+    edges = np.maximum(edges[:, :2], edges[:, 2:])
     counts = np.where(is_divided[:, None], np.maximum(np.ceil(edges / cell), 1), 1).astype(int)
     points: list[Array] = []
     rests: list[Array] = []

@@ -21,7 +21,7 @@ from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import furnish
 from pipeline.production.edging.street import PAVEMENT, rows_of_houses, single_house
-from pipeline.production.edging.weathering import furnished, weathered
+from pipeline.production.edging.weathering import add_rooms, add_weathering
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView
@@ -285,8 +285,8 @@ class Edging:
         if not fronts:
             return mesh
         if material in PLASTERS:
-            return weathered(mesh, fronts, seed)
-        return furnished(mesh, fronts, seed) if material == "pane" else mesh
+            return add_weathering(mesh, fronts, seed)
+        return add_rooms(mesh, fronts, seed) if material == "pane" else mesh
 
 
 def _stand(

@@ -19,6 +19,9 @@ STOREY, GROUND_STOREY = 2.95, 3.35
 WALL = 0.34
 """Depth of the outer wall, in which the panes are set back [m]."""
 
+DOORSTEP = 0.4
+"""Height of a door over the ground before it, at most [m]: below begins a stone plinth."""
+
 PITCH = 0.72
 """Rise of a roof per metre."""
 
@@ -71,7 +74,7 @@ class House(Facade):
         windows: their measures, of `WINDOWS`.
         has_dormers: whether windows stand out of its roof.
         flowers: points (3,) at which flowers grow in them [m], once it is built.
-        front: what it is to the weather, with its sills and panes once it is built.
+        front: its walls that are exposed to rain, with sills and panes once it is built.
     """
 
     is_shop: bool = False
@@ -86,9 +89,10 @@ class House(Facade):
     front: Front = field(init=False)
 
     def __post_init__(self) -> None:
-        """Note what rain meets."""
-        size = (*self.size, self.tall + self.level - self.foot)
-        object.__setattr__(self, "front", Front(self.place, self.heading, size, self.foot))
+        """Set what is exposed to rain, over the ground before the door."""
+        foot = max(self.foot, self.level - DOORSTEP)
+        size = (*self.size, self.tall + self.level - foot)
+        object.__setattr__(self, "front", Front(self.place, self.heading, size, foot))
 
     @property
     def tall(self) -> float:
@@ -165,7 +169,7 @@ class House(Facade):
             self.add(
                 "hewn stone", (middle, foot + opening.low - 0.05, 0.05), (wide + 0.36, 0.1, 0.24)
             )
-            sill = foot + opening.low + self.level - self.foot
+            sill = foot + opening.low + self.level - self.front.foot
             self.front.sills.append((middle, sill, wide + 0.36))
             if opening.low < RAILED and opening.kind == "window":
                 self.rail(middle, foot + opening.low, wide)
@@ -190,7 +194,7 @@ class House(Facade):
         else:
             pane = self._pane(middle, foot)
             self.add(pane, (middle, up, -0.27), (wide, tall, 0.02))
-            low = foot + opening.low + self.level - self.foot
+            low = foot + opening.low + self.level - self.front.foot
             self.front.panes.append((middle, low, wide, tall))
             glazing = self._glazing if opening.kind == "window" else SHOP_GLAZING
             boxes = glazing.bars(wide, tall, wood)

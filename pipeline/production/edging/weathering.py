@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeline.production.edging.carpentry import in_cells
+from pipeline.production.edging.carpentry import subdivide_sides
 from pipeline.production.surroundings.lattice_noise import noise, smoothstep
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
@@ -48,14 +48,14 @@ ROOMS = (
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """What a house is to rain.
+    """The walls of a house that are exposed to rain.
 
     Attributes:
         place: middle of the foot of its facade, x and z [m].
         heading: of it [rad].
-        size: width, depth, and height over the ground [m].
-        foot: height of the ground [m].
-        sills: (N, 3) middles of sills along the facade, their heights over the ground, and their
+        size: width, depth, and height of the wall over its foot [m].
+        foot: height of the ground before its door, about [m].
+        sills: (N, 3) middles of sills along the facade, their heights over its foot, and their
             widths [m].
         panes: (N, 4) middles along, heights of the lower edges, widths and heights [m].
     """
@@ -79,10 +79,17 @@ class Front:
         along, before = np.abs(local[:, 0]), local[:, 2]
         is_aside = (along > 0.5 * wide - 0.05) & (before > 0.05 - deep)
         is_facade = before > -0.3
-        return np.asarray((is_aside | is_facade) & (along < 0.5 * wide + 0.05) & (before < 0.3))
+        # The next house begins where this one ends.
+        return np.asarray((is_aside | is_facade) & (along < 0.5 * wide + 0.01) & (before < 0.3))
+
+    @property
+    def key(self) -> tuple[int, int]:
+        """Numbers by which it is told from its neighbours."""
+        x, z = (np.rint(100.0 * self.place).astype(int) & 65535).tolist()
+        return x, z
 
 
-def weathered(mesh: Mesh, fronts: Sequence[Front], seed: int) -> Mesh:
+def add_weathering(mesh: Mesh, fronts: Sequence[Front], seed: int) -> Mesh:
     """Return plaster, in cells, with what the weather has left on it.
 
     Args:
@@ -93,8 +100,8 @@ def weathered(mesh: Mesh, fronts: Sequence[Front], seed: int) -> Mesh:
     return _covered(mesh, fronts, CELL["wall"], lambda f, p: _weather(f, p, seed))
 
 
-def furnished(mesh: Mesh, fronts: Sequence[Front], seed: int) -> Mesh:
-    """Return panes, in cells, with the rooms behind them; see `weathered`."""
+def add_rooms(mesh: Mesh, fronts: Sequence[Front], seed: int) -> Mesh:
+    """Return panes, in cells, with the rooms behind them; see `add_weathering`."""
     return _covered(mesh, fronts, CELL["pane"], lambda f, p: _rooms(f, p, seed))
 
 
@@ -106,7 +113,7 @@ def _covered(
     is_seen = np.zeros(len(middles), bool)
     for front in fronts:
         is_seen |= front.shows(front.local(middles))
-    mesh = in_cells(mesh, cell, is_seen)
+    mesh = subdivide_sides(mesh, cell, is_seen)
     cover = np.zeros((len(mesh.vertices), 4), np.float32)
     points = mesh.vertices.astype(float)
     for front in fronts:
@@ -120,20 +127,23 @@ def _covered(
 def _weather(front: Front, local: Array, seed: int) -> Array:
     """Return colours and shares (N, 4) of weather at points of a facade's own frame (N, 3)."""
     along, up, before = local.T
-    # On the sides of a house the way along is its depth.
-    wide, _, tall = front.size
-    along = along + np.where(np.abs(along) > 0.5 * wide - 0.02, before, 0.0)
-    spot = seed + int(abs(100.0 * front.place[0])) % 977
-    column = noise(np.column_stack([along / 0.23, up / 3.1]), spot)
-    patch = noise(np.column_stack([along / 1.7, up / 1.3]), spot + 1)
-    patch = patch + 0.6 * noise(np.column_stack([along / 0.5, up / 0.4]), spot + 2)
+    wide, _, wall_height = front.size
+    is_facade = (before > -0.3) & (np.abs(along) < 0.5 * wide - 0.02)
+    # Around its corners the noise goes on along the depth of the house.
+    unfolded = along + np.where(is_facade, 0.0, before)
+    x, z = front.key
+    key = (seed + 7919 * x + 104_729 * z) & 0xFFFFFF
+    column = noise(np.column_stack([unfolded / 0.23, up / 3.1]), key)
+    patch = noise(np.column_stack([unfolded / 1.7, up / 1.3]), key + 1)
+    patch = patch + 0.6 * noise(np.column_stack([unfolded / 0.5, up / 0.4]), key + 2)
     uneven = 0.75 + 0.5 * column
-    dirt = SPLASH * np.exp(-up / SPLASH_HEIGHT) * (0.8 + 0.5 * patch)
-    dirt += EAVES * np.exp((up - tall) / EAVES_HEIGHT) * uneven
+    dirt = SPLASH * np.exp(-np.maximum(up, 0.0) / SPLASH_HEIGHT) * (0.8 + 0.5 * patch)
+    # Over the eaves a gable fades again.
+    dirt += EAVES * np.exp(-np.abs(up - wall_height) / EAVES_HEIGHT) * uneven
     dirt += STREAKS * np.maximum(column, 0.0)
     for middle, sill, width in front.sills:
         below = sill - up
-        falls = np.where(below > 0.0, np.exp(-below / DRIP_HEIGHT), 0.0)
+        falls = np.where(is_facade & (below > 0.0), np.exp(-below / DRIP_HEIGHT), 0.0)
         end = np.abs(np.abs(along - middle) - 0.5 * width + 0.03)
         dirt += DRIP * falls * np.exp(-np.square(end / DRIP_WIDTH)) * uneven
         dirt += 0.3 * DRIP * falls * (np.abs(along - middle) < 0.5 * width) * uneven
@@ -157,9 +167,8 @@ def _rooms(front: Front, local: Array, seed: int) -> Array:
         if not len(own):
             continue
         u, v = u[own], v[own]
-        rng = np.random.default_rng(
-            [seed, 467, *np.rint(100 * np.array([middle, low])).astype(int) & 65535]
-        )
+        window = np.rint(100 * np.array([middle, low])).astype(int) & 65535
+        rng = np.random.default_rng([seed, 467, *front.key, *window])
         wall = np.array(ROOMS[int(rng.integers(len(ROOMS)))])
         side = rng.choice((-1.0, 1.0))
         lit = 0.75 + 0.5 * side * u

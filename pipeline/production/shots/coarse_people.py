@@ -33,7 +33,7 @@ def with_coarse_people(take: Take, finest: Array) -> Take:
     made: dict[tuple[int, float], tuple[NDArray[np.int64], NDArray[np.uint32]]] = {}
     for part, pixel in zip(visible_parts(take), finest, strict=False):
         mesh = take.meshes[part.seen]
-        of_person = len(mesh.targets) or len(mesh.creases)
+        of_person = len(mesh.targets) or len(mesh.creases) or len(mesh.twists)
         if not of_person or len(mesh.hair) or pixel <= FINE_PIXEL:
             continue
         cell = min(CELL_PIXELS * float(pixel), MAX_CELL)

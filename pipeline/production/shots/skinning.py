@@ -207,9 +207,9 @@ def _untwisted(twists: Array, turned: Array) -> Array:
 
 
 def _sine_of_bend(turned: Array) -> Array:
-    """Return the sines (n,) of the angles of quaternions wxyz (n, 4), w ≥ 0; 1 beyond 90 degrees.
+    """Return the sines (n,) of the angles of quaternions wxyz (n, 4); 1 beyond 90 degrees.
 
-    w is the cosine of half the angle.
+    w is the cosine of half the angle. A negative one counts as beyond 90 degrees.
     """
     w = np.clip(turned[:, 0], np.sqrt(0.5), 1.0)
     return 2.0 * w * np.sqrt(1.0 - w * w)

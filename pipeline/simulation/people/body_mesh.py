@@ -110,9 +110,13 @@ def _depth_between(build: BodyMeasures, levels: tuple[float, float], most: float
     return depth
 
 
+ELBOW, FOREARM_REACH = 0.632, 0.022
+"""Height of the elbow of a hanging arm, and the distance from it within which the forearm's share
+grows, in girths."""
+
 TWISTED = 0.0, 0.150
-"""Distances below the shoulder between which an arm takes the twist of its bone, in girths: the
-deltoid takes none of it."""
+"""Distances below the shoulder between which an arm takes the twist of its bone, in girths, but not
+beyond the elbow: the deltoid takes little of it."""
 
 
 def held_twist(build: BodyMeasures, heights: Array) -> Array:
@@ -121,7 +125,10 @@ def held_twist(build: BodyMeasures, heights: Array) -> Array:
     See `SkinnedPatch.twist`.
     """
     top = frame_origins(build.proportions)[FRAMES.index("upper_arm_r"), 1]
-    share = 1.0 - ramp((top - heights) / build.girth, *TWISTED)
+    start, end = (share * build.girth for share in TWISTED)
+    # Of a stout or short arm the forearm follows its own bone.
+    end = min(end, top - build.level(ELBOW) - FOREARM_REACH * build.girth)
+    share = 1.0 - ramp(top - heights, start, end)
     return share[:, None] * ARM_SPREAD
 
 
@@ -140,7 +147,7 @@ def on_twisted_arm(build: BodyMeasures, patch: SkinnedPatch) -> SkinnedPatch:
 
 def below_elbow(build: BodyMeasures, heights: Array) -> Array:
     """Return the share (n,) of the forearm in places of a hanging arm at some heights [m]."""
-    elbow, reach = build.level(0.632), 0.022 * build.girth
+    elbow, reach = build.level(ELBOW), FOREARM_REACH * build.girth
     return 1.0 - ramp(heights, elbow - reach, elbow + reach)
 
 

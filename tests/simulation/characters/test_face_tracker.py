@@ -208,6 +208,7 @@ def test_takes_without_faces_are_stored_and_read(tmp_path: Path) -> None:
             targets=np.zeros((0, 2), np.int32),
             offsets=np.zeros((0, 3), np.float32),
             creases=np.zeros((0, 3), np.float32),
+            twists=np.zeros((0, 3), np.float32),
         )
         for m in take.meshes
     ]

@@ -34,8 +34,8 @@ _SMOKE_DEPTH = 4.5
 """Optical depth across the foot of smoke."""
 _FLAME_DEPTH = 0.35
 """Optical depth across flames."""
-_FLAME_RIM = 1.3
-"""Radius at which flames end, in radii of their foot."""
+_FLAME_RIM, _FLAME_ROOT = 1.3, 0.5
+"""Radius at which flames end, in radii of their foot, and the share of it at their root."""
 _FLAME_LIGHT = 1.0
 """Radiant intensity of flames for each unit of glow and square metre of their outline."""
 
@@ -165,7 +165,9 @@ class PlumeVolume:
         # around what lies there.
         supply = noise3(1.5 * x * size + self._seed[1], 0.30 * up, 1.5 * z * size + self._seed[0])
         share_of_height = dr.clip(2.2 * supply - 0.25, 0.22, 1.0)
-        share_of_height *= dr.clip(1.0 - radius_squared / _FLAME_RIM**2, 0.0, 1.0)
+        # A flame is narrow where it leaves what burns.
+        rim = _FLAME_RIM * (_FLAME_ROOT + (1.0 - _FLAME_ROOT) * dr.clip(1.5 * y * size, 0.0, 1.0))
+        share_of_height *= dr.clip(1.0 - radius_squared / dr.square(rim), 0.0, 1.0)
         t = s / dr.maximum(share_of_height, 0.02)
         # Tongues curl: the noise that parts them is bent by a slower one.
         bend = 0.55 * (0.3 + s) * self._radius

@@ -1,4 +1,4 @@
-"""Flames are tall over the middle of their foot and low at its rim."""
+"""Flames are tall over the middle of their foot, low at its rim, and narrow at their root."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ def burning(out: float, up: float) -> float:
     [
         (0.05, 0.2, 0.6, 1.0),
         (0.05, 0.995, 0.0, 0.02),
-        (0.36, 0.06, 0.4, 1.0),
+        (0.33, 0.2, 0.2, 1.0),
+        (0.33, 0.02, 0.0, 0.0),
         (0.36, 0.4, 0.0, 0.1),
-        (0.45, 0.06, 0.0, 0.0),
+        (0.45, 0.2, 0.0, 0.0),
     ],
 )
 def test_flames_are_tall_in_the_middle_and_low_at_the_rim(

@@ -1,6 +1,6 @@
-"""Weathering: what rain, mud and soot leave on plaster, and what is seen of rooms through panes.
+"""Weathering: colours of stains on the plaster of houses, and of rooms behind their panes.
 
-Both are colours at points of a facade, so that its walls and panes are divided into cells.
+Both vary over a facade, so its walls and panes are subdivided into cells with colours of vertices.
 
 Source: J. Dorsey, H. K. Pedersen, P. Hanrahan, Flow and Changes in Appearance, 1996, for streaks
     below sills and cornices, where water leaves what it has carried.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.shots.skinning import Skin, visible_parts
-from pipeline.simulation.spatial import matrix, rotation
+from pipeline.simulation.spatial import Array, matrix, rotation
 from pipeline.simulation.take import Mesh, Take
 from pipeline.spec import Scene
 
@@ -51,6 +51,20 @@ def slowly(take: Take, mesh: Mesh, vertex: int, row: int) -> NDArray[np.float64]
     return point + rotation(axis, part) @ (here - point) + slide * slope * axis
 
 
+def posed_by_two(q: Array, mesh: Mesh) -> Array:
+    """Return the vertices (V, 3) of a mesh on two nodes, at the origin, turned by q (2, 4)."""
+    take = SimpleNamespace(
+        nodes=[SimpleNamespace(rest=(0.0, 0.0, 0.0))] * 2,
+        rotations=q[None],
+        positions=np.zeros((1, 2, 3)),
+        scales=np.zeros((1, 0, 3)),
+        scaled=(),
+        alive=np.ones((1, 2), bool),
+        faces=(),
+    )
+    return np.asarray(Skin.of_meshes(take, [mesh]).posed(take, 0))  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(("degrees", "share"), [(0.0, 0.0), (30.0, 0.5), (90.0, 1.0), (150.0, 1.0)])
 def test_creases_act_by_the_sine_of_the_bend(degrees: float, share: float) -> None:
     """The nodes turn about one place, where a vertex of either stays without its crease."""
@@ -64,16 +78,7 @@ def test_creases_act_by_the_sine_of_the_bend(degrees: float, share: float) -> No
         np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]], np.float32),
         creases=np.array([crease, crease, 0 * crease], np.float32),
     )
-    take = SimpleNamespace(
-        nodes=[SimpleNamespace(rest=(0.0, 0.0, 0.0))] * 2,
-        rotations=q[None],
-        positions=np.zeros((1, 2, 3)),
-        scales=np.zeros((1, 0, 3)),
-        scaled=(),
-        alive=np.ones((1, 2), bool),
-        faces=(),
-    )
-    posed = Skin.of_meshes(take, [mesh]).posed(take, 0)  # type: ignore[arg-type]
+    posed = posed_by_two(q, mesh)
     wanted = share * np.array([crease, matrix(q[1]) @ crease, 0 * crease])
     np.testing.assert_allclose(posed, wanted, atol=1e-7)
 
@@ -93,16 +98,7 @@ def test_a_vertex_leaves_out_a_share_of_the_twist_of_its_limb(held: float) -> No
         np.array([[0.0, 1.0]] * 3, np.float32),
         twists=np.array([held * middle, 0 * middle, held * middle], np.float32),
     )
-    take = SimpleNamespace(
-        nodes=[SimpleNamespace(rest=(0.0, 0.0, 0.0))] * 2,
-        rotations=q[None],
-        positions=np.zeros((1, 2, 3)),
-        scales=np.zeros((1, 0, 3)),
-        scaled=(),
-        alive=np.ones((1, 2), bool),
-        faces=(),
-    )
-    posed = Skin.of_meshes(take, [mesh]).posed(take, 0)  # type: ignore[arg-type]
+    posed = posed_by_two(q, mesh)
     for place, share in zip(posed, (held, 0.0, held), strict=True):
         angle = (1.0 - share) * twist
         # Of the 0.1 m ahead of the hanging limb, which point up once it is swung ahead.

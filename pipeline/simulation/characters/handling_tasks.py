@@ -239,6 +239,7 @@ class CarryTo(Task):
         walk: to where it is put down.
         time: since it is being put down, and since the hands are open [s].
         is_down: whether the hands are open.
+        is_there: whether the thing has come to rest at its goal, whatever becomes of it later.
     """
 
     thing: str
@@ -246,6 +247,7 @@ class CarryTo(Task):
     walk: WalkUp
     time: float = 0.0
     is_down: bool = False
+    is_there: bool = False
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -259,7 +261,8 @@ class CarryTo(Task):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         if self.is_down:
-            return self._is_there(controller, dt)
+            self.is_there = self.is_there or self._has_come_to_rest(controller, dt)
+            return self.is_there
         if len(controller.hands_holding(self.thing)) < len(self.grab.hands):
             self.grab.asked, self.grab.giver = self.asked, self.giver
             self.grab.advance(controller, dt)
@@ -281,7 +284,7 @@ class CarryTo(Task):
         self._put_down(controller, thing, goal, surface, dt)
         return False
 
-    def _is_there(self, controller: PersonController, dt: float) -> bool:
+    def _has_come_to_rest(self, controller: PersonController, dt: float) -> bool:
         """Tell whether the thing has come to rest at its goal; fail if it has elsewhere."""
         self.time += dt
         thing = controller.view.state(self.thing)
@@ -305,6 +308,16 @@ class CarryTo(Task):
             return f"'{self.thing}' does not lie on '{self.walk.target}'"
         return ""
 
+    def _aside(self, controller: PersonController) -> Array:
+        """Return (3,) from the middle of a person to where it puts down what it holds [m].
+
+        One hand puts down before its own shoulder: on the way to the middle the thigh would bar it.
+        """
+        hands = controller.hands_holding(self.thing)
+        side = 0.0 if len(hands) == 2 else (-1.0, 1.0)[hands[0]]
+        ahead, half = controller.ahead, 0.5 * float(controller.record.shoulders)
+        return side * half * np.array([-ahead[2], 0.0, ahead[0]])
+
     def _put_down(
         self,
         controller: PersonController,
@@ -323,7 +336,7 @@ class CarryTo(Task):
             least, most = LEAST_RANGE * controller.arm, MOST_BOWED_RANGE * controller.arm
             before = min(max(controller.ground_distance(goal.centre), least), most)
         place = np.array([controller.record.at[0], 0.0, controller.record.at[1]])
-        place += before * controller.ahead
+        place += before * controller.ahead + self._aside(controller)
         floor = controller.view.ground_height(place[0], place[2])
         height = floor if surface is None else surface
         rise = height + 0.5 * PUT_DOWN_GAP - float(thing.low[1])

@@ -14,10 +14,11 @@ def double_size(image: Image) -> Image:
 
 
 def half_size(image: Image) -> Image:
-    """Return an image (H, W, 3) of half the size, rounded up: means of two by two pixels."""
+    """Return an image (H, W, ...) of half the size, rounded up: means of two by two pixels."""
     height, width = image.shape[:2]
     if height % 2 or width % 2:
-        image = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)), "edge")
+        rest = [(0, 0)] * (image.ndim - 2)
+        image = np.pad(image, [(0, height % 2), (0, width % 2), *rest], "edge")
     rows = image[0::2] + image[1::2]
     return np.asarray(0.25 * (rows[:, 0::2] + rows[:, 1::2]), np.float32)
 

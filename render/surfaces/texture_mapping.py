@@ -20,6 +20,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render.image_resizing import half_size
 from render.textures import TILE, Plane, creases, lumps, patches, tile
 from render.textures.layers import DETAIL, DETAIL_LAYER
 
@@ -126,7 +127,7 @@ def pattern_mipmap(pattern: str) -> Mipmap:
         slopes = planes[2] ** 2 + planes[3] ** 2
         stride = slopes.size // SLOPE_SAMPLES | 1
         squares.append(np.resize(slopes.ravel()[::stride], SLOPE_SAMPLES))
-        planes = [_halved(plane) for plane in planes]
+        planes = [half_size(plane) for plane in planes]
     return Mipmap(np.concatenate(levels), TILE, max_slope, np.array(squares))
 
 
@@ -151,7 +152,7 @@ def _plain_mipmap(shade: Plane, relief: Plane) -> Mipmap:
     levels = []
     for _ in range(LEVELS):
         levels.append(_packed(planes, ranges))
-        planes = [_halved(part) for part in planes]
+        planes = [half_size(part) for part in planes]
     squares = np.zeros((LEVELS, 1), np.float32)
     return Mipmap(np.concatenate(levels), len(shade), max_slope, squares)
 
@@ -165,7 +166,7 @@ def share_mipmap(shares: NDArray[np.uint8]) -> Mipmap:
         levels.append(
             _packed([plane, *[np.zeros_like(plane)] * 3], [(0.0, MAX_SHADE), *[none] * 3])
         )
-        plane = _halved(plane)
+        plane = half_size(plane)
     return Mipmap(np.concatenate(levels), len(shares), 1.0, np.zeros((LEVELS, 1), np.float32))
 
 
@@ -180,11 +181,6 @@ def _packed(planes: list[Plane], ranges: list[tuple[float, float]]) -> NDArray[n
         part = np.rint((plane - low) * (255.0 / (high - low))).clip(0, 255)
         texels |= part.astype(np.uint32) << np.uint32(8 * k)
     return texels.ravel()
-
-
-def _halved(plane: Plane) -> Plane:
-    pairs = plane[0::2] + plane[1::2]
-    return np.asarray(0.25 * (pairs[:, 0::2] + pairs[:, 1::2]), np.float32)
 
 
 def lookup(texels: Any, mipmap: Mipmap, u: Any, v: Any, level: Any) -> Sample:

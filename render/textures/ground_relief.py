@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.config import Material
+from render.image_resizing import half_size
 from render.textures import Plane, patches, tile
 from render.textures.layers import (
     CALM,
@@ -43,7 +44,7 @@ def ground_relief(
     drawn, size = tile(material.texture), material.texture_scale
     plane, count = drawn.relief, round(spacing / size * len(drawn.relief))
     while count > 1 and len(plane) > 8:
-        plane, count = _halved(plane), count // 2
+        plane, count = half_size(plane), count // 2
     plane = plane - plane.mean()
     heights = _sampled(plane, places / size, FIRST_LAYER)
     if material.color2 is not None:
@@ -57,11 +58,6 @@ def ground_relief(
         if material.texture in RIPPLED:
             heights *= CALM + (1.0 - CALM) * RIPPLED_MOST * share
     return np.asarray(material.bump * size / drawn.size * heights)
-
-
-def _halved(plane: Plane) -> Plane:
-    pairs = plane[0::2] + plane[1::2]
-    return np.asarray(0.25 * (pairs[:, 0::2] + pairs[:, 1::2]), np.float32)
 
 
 def _sampled(plane: Plane, places: NDArray[np.float64], layer: Layer) -> NDArray[np.float64]:

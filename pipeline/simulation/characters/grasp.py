@@ -70,10 +70,17 @@ def grasp_failure(
         text, widest, heaviest = "a hand", HAND_SPAN * person.height, ONE_HAND_MASS * own
     width, mass = width_of(state), share * mass_of(controller, name)
     if share == 1.0 and width > widest:
-        return f"wider than {text} ({width:.2f} m, can hold {widest:.2f} m)"
+        return f"wider than {text} ({_more_than(width, widest, 2)} m)"
     if mass > heaviest:
-        return f"too heavy for {text} ({mass:.1f} kg, can carry {heaviest:.1f} kg)"
+        return f"too heavy for {text} ({_more_than(mass, heaviest, 1)} kg)"
     return ""
+
+
+def _more_than(size: float, most: float, digits: int) -> str:
+    """Return a size and what can be held at most, so rounded that the size is seen to be more."""
+    scale = 10.0**digits
+    above, below = math.ceil(size * scale) / scale, math.floor(most * scale) / scale
+    return f"{above:.{digits}f} of at most {below:.{digits}f}"
 
 
 def grasp_place(controller: PersonController, state: MemberState, k: int, both: bool) -> Array:

@@ -58,7 +58,7 @@ SHORT_SLEEVE = (Gather(0.748, 0.032, 0.034, 0.0036, slant=-0.3, run=1.2, front=(
 SHIRT = (
     Gather(0.610, 0.048, 0.038, 0.0062, slant=0.45, run=0.75),
     Gather(0.735, 0.044, 0.042, 0.0036, slant=0.2, run=-1.0, front=(1.0, 0.8)),
-    Gather(0.532, 0.034, 0.080, 0.0062, slant=1.2, run=2.2),
+    Gather(0.532, 0.034, 0.080, 0.0050, slant=1.2, run=2.2),
 )
 """Of a shirt: at the waist, towards the armpits, and down to the hem."""
 

@@ -20,7 +20,7 @@ from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.body_mesh import ARM, LEG, on_twisted_arm
 from pipeline.simulation.people.cloth_folds import SEAM, seam_depth, seam_shade
 from pipeline.simulation.people.proportions import BodyMeasures
-from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field
+from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field, sleeve_air
 from pipeline.simulation.people.signed_distance import (
     ellipsoid,
     offset_solid,
@@ -376,11 +376,11 @@ def stripes(build: BodyMeasures) -> SkinnedPatch:
     patches = []
     for rows, z, hinge, ends, frames in (
         (LEG, build.hips, TROUSERED_KNEE, (0.060, 0.500), ("thigh_r", "shin_r")),
-        (ARM, build.shoulders, SLEEVED_ELBOW, (0.510, 0.765), ("upper_arm_r", "forearm_r")),
+        (ARM, build.shoulders, SLEEVED_ELBOW, (0.522, 0.765), ("upper_arm_r", "forearm_r")),
     ):
         outline = build.outline(rows)
-        thick = 0.0042 if rows is ARM else 0.0
         levels = np.linspace(build.level(ends[0]), build.level(ends[1]), 24)
+        thick = sleeve_air(build, "cuffed", levels) if rows is ARM else np.zeros(len(levels))
         x, side = (np.interp(levels, outline[:, 0], outline[:, k]) for k in (1, 4))
         points = np.stack([x, levels, z + side + (thick - 0.0035) * g], axis=-1)
         stripe = tube(points, np.full(len(points), 0.0060 * g), 6)

@@ -75,6 +75,7 @@ CREATURES: dict[str, Row] = {
     "white feathers": _row("#dcdad4", "#c5c1b6", 0.8,  ("plumage", 0.5, 1.0), sheen=0.3),
     "horn":           _row("#332b24", "#4c4033", 0.6,  ("wood", 0.25, 1.0), clearcoat=0.05),
     "leather":        _row("#4a2f1f", "#5c3d29", 0.5,  ("pores", 0.25, 1.5), clearcoat=0.1),
+    "black leather":  _row("#161517", "#1f1d1f", 0.4,  ("pores", 0.25, 1.5), clearcoat=0.3),
     "eye":            _row("#08080a", None,      0.08, None, clearcoat=1.0),
     "eye white":      _row("#9c9188", None,      0.7,  None, clearcoat=0.25),
     "brown iris":     _row("#4a2a12", None,      0.12, None, clearcoat=1.0),

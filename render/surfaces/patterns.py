@@ -120,7 +120,7 @@ HATCHING = Hatching()
 CREASED = "weave"
 """Pattern of cloth, on which creases lie that are wider than the pattern."""
 
-CREASE_TILE, CREASE_SLOPE = 0.8, 0.1
+CREASE_TILE, CREASE_SLOPE = 0.8, 0.17
 """Size of a tile of creases [m], and the deviation of their slopes along its rows."""
 
 

@@ -57,15 +57,22 @@ def patches(size: int = 512) -> Plane:
     return (1 / (1 + np.exp(-2.2 * field))).astype(np.float32)
 
 
+CREASE_BREADTH, UNDULATION = 0.48, 0.06
+"""Breadth of creases of cloth, in the deviation of the noise that they follow, and how high cloth
+swells between them, in the height of a crease."""
+
+
 def creases(size: int = 1024) -> Plane:
     """Return a (size, size) relief of worn cloth; slopes along its rows have a deviation of 1."""
     rng = np.random.default_rng(_SEED + 3)
     relief = np.zeros((size, size), np.float32)
     # Unlike ones: two that cross evenly are a quilt.
-    for turn_deg, weight in ((50.0, 1.0), (-64.0, 0.55)):
-        bend = noise(rng, 2.6, first=4, last=20, size=size, stretch=2.8, turn_deg=turn_deg)
-        # A fold is round above and sharp below.
-        relief += weight * np.sqrt(bend * bend + 0.04)
+    for turn_deg, weight in ((50.0, 1.0), (-64.0, 0.8), (8.0, 0.6)):
+        bend = noise(rng, 2.2, first=3, last=24, size=size, stretch=3.2, turn_deg=turn_deg)
+        # Narrow ridges that run out on cloth that is nearly smooth between them.
+        where = 1.0 / (1.0 + np.exp(-4.0 * noise(rng, 2.0, first=2, last=6, size=size) + 0.8))
+        relief += weight * where * np.exp(-((bend / CREASE_BREADTH) ** 2))
+    relief += UNDULATION * noise(rng, 2.4, first=4, last=16, size=size)
     return _with_unit_slopes(relief)
 
 

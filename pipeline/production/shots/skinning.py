@@ -154,7 +154,10 @@ class Skin:
         flips[signed] = False
         turned[flips] *= -1.0
         if len(self.creases):
-            folded = _sine_of_bend(turned)[:, None] * self.creases[some]
+            bend = _sine_of_bend(turned)
+            # A shoulder rises late, with the height of the arm and not with its swing.
+            bend[signed] = _rise_of_bend(turned[signed])
+            folded = bend[:, None] * self.creases[some]
             here = here + (R[a] @ folded[..., None])[..., 0]
             there = there + (R[b] @ folded[..., None])[..., 0]
         # there = turned (here) + shift
@@ -213,6 +216,12 @@ def _sine_of_bend(turned: Array) -> Array:
     """
     w = np.clip(turned[:, 0], np.sqrt(0.5), 1.0)
     return 2.0 * w * np.sqrt(1.0 - w * w)
+
+
+def _rise_of_bend(turned: Array) -> Array:
+    """Return 1 less the cosines (n,) of the angles of quaternions wxyz; 1 beyond 90 degrees."""
+    w = np.clip(turned[:, 0], np.sqrt(0.5), 1.0)
+    return np.asarray(2.0 * (1.0 - w * w))
 
 
 def spread_vertices(vertices: Array, most: int) -> NDArray[np.int64]:

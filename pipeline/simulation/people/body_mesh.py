@@ -19,10 +19,13 @@ from pipeline.simulation.people.cloth_folds import (
     LEG as LEG_FOLDS,
 )
 from pipeline.simulation.people.cloth_folds import (
+    SEAM,
     SHORTS,
     fold_depth,
     fold_shade,
     folded,
+    seam_depth,
+    seam_shade,
 )
 from pipeline.simulation.people.hand_mesh import fingers, palm
 from pipeline.simulation.people.proportions import BodyMeasures
@@ -95,7 +98,7 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     return with_mirror(merge_patches([on_twisted_arm(build, arm), *fingers(build)]))
 
 
-SLEEVED, IN_SLEEVE = ((0.712, 0.724), (0.497, 0.509)), 0.007
+SLEEVED, IN_SLEEVE = ((0.7115, 0.7235), (0.500, 0.512)), 0.007
 """Heights between which arms become thinner inside of short and long sleeves, and by how much, in
 girths: cloth is cut off coarsely, and no skin may come through."""
 
@@ -162,12 +165,12 @@ SEAT = (
 """Outline of the pelvis in trousers; see `BodyMeasures.outline`."""
 
 LEG = (
-    (0.028, 0.001, 0.038, 0.040, 0.034),
-    (0.050, -0.003, 0.035, 0.038, 0.0335),
-    (0.075, -0.007, 0.031, 0.036, 0.0325),
-    (0.130, -0.008, 0.031, 0.037, 0.0330),
-    (0.190, -0.007, 0.033, 0.040, 0.0345),
-    (0.245, -0.003, 0.0355, 0.038, 0.0350),
+    (0.028, 0.004, 0.0450, 0.0450, 0.0405),
+    (0.050, 0.000, 0.0420, 0.0430, 0.0395),
+    (0.075, -0.004, 0.0375, 0.0405, 0.0380),
+    (0.130, -0.006, 0.0355, 0.0400, 0.0370),
+    (0.190, -0.006, 0.0355, 0.0410, 0.0370),
+    (0.245, -0.003, 0.0365, 0.0385, 0.0365),
     (0.288, 0.002, 0.0385, 0.034, 0.0360),
     (0.350, 0.005, 0.042, 0.040, 0.0400),
     (0.430, 0.005, 0.049, 0.047, 0.0475),
@@ -218,7 +221,8 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
     solid = smooth_union([pelvis, leg], 0.030 * girth)
     if covered:
         solid = folded(solid, _depth_between(build, COVERED, COVERED_DEPTH))
-    whole = folded(solid, depth)
+    hem = build.level(end)
+    whole = folded(folded(solid, depth), seam_depth(build, hem))
 
     def spread(places: Array) -> Array:
         y, z = places[:, 1], np.abs(places[:, 2])
@@ -234,12 +238,14 @@ def trousers(build: BodyMeasures, shorts: bool, covered: bool = False) -> Skinne
         0.0163 * girth,
         stretch=0.88,
         symmetric=True,
-        hem=build.level(end),
+        hem=hem,
+        seam=SEAM * girth,
         fine=(1, build.level(TROUSERED_KNEE.level), KNEE_REACH * girth),
     )
     places = surface.vertices.copy()
     places[:, 2] -= np.sign(places[:, 2]) * _spread(build, places[:, 1])
     shade = fold_shade(build, symmetric_field(depth), places)
+    shade = shade * seam_shade(build, hem, places[:, 1])
     # Thighs shade one another.
     between = ramp(np.abs(places[:, 2]), 0.036 * girth, 0.008 * girth)
     below = ramp(places[:, 1], build.level(0.500), build.level(0.450))

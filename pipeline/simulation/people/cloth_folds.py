@@ -16,7 +16,7 @@ from pipeline.simulation.people.signed_distance import Field
 from pipeline.simulation.people.skinned_surface import ramp
 from pipeline.simulation.spatial import Array
 
-FOLD_DARKNESS = 0.40
+FOLD_DARKNESS = 0.52
 """How dark the bottom of a fold is at most: soft light is traced too coarsely for it."""
 
 MIDDLE = 0.018
@@ -47,29 +47,29 @@ class Gather:
 
 
 SLEEVE = (
-    Gather(0.634, 0.042, 0.029, 0.0040, slant=0.55, run=0.3, front=(1.0, 0.45)),
-    Gather(0.524, 0.030, 0.024, 0.0030, slant=0.25, run=-0.3),
-    Gather(0.740, 0.032, 0.034, 0.0016, slant=-0.35, run=1.0, front=(1.0, 0.7)),
+    Gather(0.634, 0.044, 0.029, 0.0046, slant=0.55, run=0.3, front=(1.0, 0.45)),
+    Gather(0.524, 0.030, 0.026, 0.0048, slant=0.25, run=-0.3),
+    Gather(0.740, 0.036, 0.034, 0.0030, slant=-0.35, run=1.0, front=(1.0, 0.7)),
 )
 """Of a long sleeve: at the elbow, above the cuff, and below the shoulder."""
 
-SHORT_SLEEVE = (Gather(0.748, 0.030, 0.034, 0.0024, slant=-0.3, run=1.2, front=(1.0, 0.7)),)
+SHORT_SLEEVE = (Gather(0.748, 0.032, 0.034, 0.0036, slant=-0.3, run=1.2, front=(1.0, 0.7)),)
 
 SHIRT = (
-    Gather(0.610, 0.048, 0.038, 0.0042, slant=0.45, run=0.75),
-    Gather(0.735, 0.042, 0.040, 0.0032, slant=0.2, run=-1.0, front=(1.0, 0.8)),
-    Gather(0.532, 0.030, 0.080, 0.0044, slant=1.2, run=2.2),
+    Gather(0.610, 0.048, 0.038, 0.0062, slant=0.45, run=0.75),
+    Gather(0.735, 0.044, 0.042, 0.0036, slant=0.2, run=-1.0, front=(1.0, 0.8)),
+    Gather(0.532, 0.034, 0.080, 0.0050, slant=1.2, run=2.2),
 )
 """Of a shirt: at the waist, towards the armpits, and down to the hem."""
 
 LEG = (
-    Gather(0.066, 0.034, 0.030, 0.0060, slant=-0.40, run=0.4, front=(1.0, 0.75)),
-    Gather(0.268, 0.044, 0.036, 0.0046, slant=-0.35, run=0.4, front=(0.60, 1.0)),
-    Gather(0.455, 0.040, 0.034, 0.0044, slant=0.25, run=0.95, front=(1.0, 0.7)),
+    Gather(0.076, 0.028, 0.032, 0.0088, slant=-0.60, run=0.5, front=(1.0, 0.6)),
+    Gather(0.268, 0.046, 0.036, 0.0068, slant=-0.70, run=0.6, front=(0.35, 0.9)),
+    Gather(0.455, 0.042, 0.034, 0.0066, slant=0.25, run=0.95, front=(1.0, 0.7)),
 )
 """Of trousers: over the shoe, at the knee, and from the crotch outward."""
 
-SHORTS = (Gather(0.440, 0.045, 0.036, 0.0030, slant=0.25, run=0.95, front=(1.0, 0.6)),)
+SHORTS = (Gather(0.440, 0.048, 0.036, 0.0056, slant=0.25, run=0.95, front=(1.0, 0.6)),)
 
 
 def fold_depth(build: BodyMeasures, gathers: Sequence[Gather], z: float) -> Field:
@@ -95,8 +95,9 @@ def fold_depth(build: BodyMeasures, gathers: Sequence[Gather], z: float) -> Fiel
             # Neighbours differ: even ones would look turned on a lathe.
             phase = (up + one.slant * x + one.run * aside) / one.spacing
             phase = phase + 0.20 * np.sin(40.0 * aside) + 0.16 * np.sin(34.0 * x + 2.0)
-            wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * phase)
-            found = found + one.depth * share * wave * np.exp(-((up / one.reach) ** 2))
+            # Narrow lines between broad ridges: even waves would look like rings of a hose.
+            line = (0.5 + 0.5 * np.cos(2.0 * np.pi * phase)) ** 2
+            found = found + one.depth * share * line * np.exp(-((up / one.reach) ** 2))
         return np.asarray(g * found)
 
     return depth
@@ -111,6 +112,31 @@ def folded(cloth: Field, depth: Field) -> Field:
     return distance
 
 
+SEAM, SEAM_DEPTH, SEAM_REACH, SEAM_DARKNESS = 0.0115, 0.0012, 0.0016, 0.5
+"""Height of the seam of a hem above its edge, its depth, and the distance in which cloth rounds
+into it, in girths; and how dark it is."""
+
+
+def seam_depth(build: BodyMeasures, hem: float) -> Field:
+    """Return how deep the seam above a hem at a height presses places inward, as a field [m]."""
+    g = build.girth
+
+    def depth(places: Array) -> Array:
+        return np.asarray(SEAM_DEPTH * g * _near_seam(build, hem, places[:, 1]))
+
+    return depth
+
+
+def seam_shade(build: BodyMeasures, hem: float, heights: Array) -> Array:
+    """Return the shade (n,) of cloth at some heights about the seam above a hem [m]."""
+    return 1.0 - SEAM_DARKNESS * _near_seam(build, hem, heights)
+
+
+def _near_seam(build: BodyMeasures, hem: float, heights: Array) -> Array:
+    away = (heights - hem - SEAM * build.girth) / (SEAM_REACH * build.girth)
+    return np.asarray(np.exp(-(away**2)))
+
+
 def fold_shade(build: BodyMeasures, depth: Field, places: Array) -> Array:
     """Return the shade (n,) of places in folds."""
-    return 1.0 - FOLD_DARKNESS * ramp(depth(places) / build.girth, 0.0, 0.0046)
+    return 1.0 - FOLD_DARKNESS * ramp(depth(places) / build.girth, 0.0, 0.0058)

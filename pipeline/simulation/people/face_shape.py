@@ -25,7 +25,7 @@ NECK_TOP = np.array([-0.115, -0.22, 0.0])
 LID_SIZE = 1.10
 """Radius of the lids in that of the eyeball."""
 
-ADULT_EYE_HEIGHT, CHILD_EYE_DROP = 0.015, 0.045
+ADULT_EYE_HEIGHT, CHILD_EYE_DROP = 0.015, 0.070
 """Height of an adult's eyes, and by how much lower a child's are."""
 
 SIDES = (1.0, -1.0)
@@ -50,7 +50,7 @@ class FaceShape:
         """Middle (3,) and radius of the right eyeball."""
         c = self.child
         middle = np.array([0.290 - 0.008 * c, ADULT_EYE_HEIGHT - self.drop, 0.150])
-        return middle, 0.0755 + 0.008 * c
+        return middle, 0.0755 + 0.0165 * c
 
     @property
     def drop(self) -> float:
@@ -79,7 +79,7 @@ def face_field(face: FaceShape, with_lids: bool = True) -> Field:
 def _skull(face: FaceShape) -> list[Field]:
     """Return skull, forehead, face, mouth, chin, cheeks, jaw and the ridges of the brows."""
     c, y = face.child, -face.drop
-    jaw = 1.0 - 0.12 * c
+    jaw = 1.0 - 0.22 * c
     solids = [
         ellipsoid((-0.055, 0.115, 0.0), (0.425, 0.385, 0.338)),
         ellipsoid((0.110, 0.150, 0.0), (0.255, 0.275, 0.275)),
@@ -92,7 +92,7 @@ def _skull(face: FaceShape) -> list[Field]:
         corner, chin = (-0.03, -0.235, 0.205 * m), (0.235, -0.415, 0.055 * m)
         solids += [
             ellipsoid((0.200, -0.070 + y, 0.158 * m), (0.120, 0.085, 0.095)),
-            ellipsoid((0.185, -0.190, 0.118 * m), 0.125 + 0.028 * c),
+            ellipsoid((0.185, -0.200, 0.118 * m), 0.125 + 0.036 * c),
             round_cone(corner, chin, 0.075, 0.075 * jaw),
             round_cone(*brow, 0.055, 0.045),
         ]
@@ -101,13 +101,15 @@ def _skull(face: FaceShape) -> list[Field]:
 
 def _sockets(face: FaceShape) -> Field:
     y = face.eye[0][1] - 0.003
-    sockets = [ellipsoid((0.405, y, 0.148 * m), (0.105, 0.070, 0.095)) for m in SIDES]
+    sockets = [
+        ellipsoid((0.405, y, 0.148 * m), (0.105, 0.070 + 0.012 * face.child, 0.095)) for m in SIDES
+    ]
     return smooth_union(sockets, 0.02)
 
 
 def _nose(face: FaceShape) -> list[Field]:
     """Return bridge, tip, septum and wings."""
-    size = 1.0 - 0.30 * face.child
+    size = 1.0 - 0.48 * face.child
     bridge = (0.335, 0.075 - face.drop, 0.0), (0.362 + 0.044 * size, -0.112, 0.0)
     tip = np.array([0.046, 0.044, 0.049]) * (0.5 + 0.5 * size)
     aside = 0.050 * (0.4 + 0.6 * size)

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
+from pipeline.simulation.people.body_mesh import SHIN
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
     Field,
@@ -24,10 +25,12 @@ from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
     Surface,
     cached_part,
+    ellipsoid_surface,
     merge_patches,
     polygonise,
     with_mirror,
 )
+from pipeline.simulation.people.tints import SOCK as SOCK_TINT
 from pipeline.simulation.people.tints import SOLE
 from pipeline.simulation.spatial import Array
 
@@ -62,20 +65,61 @@ spring of the toes."""
 INSET = 0.014
 """By which the edges of a sole are rounded."""
 
+WELT = 1.07
+"""Size of a sole in that of the upper, beyond which it stands out."""
+
+THROAT = 0.047
+"""Height of the throat of a shoe, as a fraction of an adult's height: trousers hide it, and below
+bare shins a sock shows."""
+
+LACES = ((0.110, 0.282), (0.175, 0.257), (0.240, 0.230))
+"""Places of the laces ahead, and their heights."""
+
+LACE_RADII = (0.013, 0.022, 0.062)
+
+SOCK = (0.038, 0.046, 0.056, 0.066, 0.0715, 0.0715)
+"""Heights of the rings of a sock, as fractions of an adult's height; the last is inside."""
+
+SOCK_WORN, SOCK_AROUND = 0.0030, 16
+"""Distance of a sock from the shin, in girths, and vertices of its rings."""
+
 
 @cached_part
-def shoes(build: BodyMeasures) -> SkinnedPatch:
-    """Return both shoes."""
+def shoes(build: BodyMeasures, has_socks: bool) -> SkinnedPatch:
+    """Return both shoes, with the socks that show below bare shins."""
     size, z = build.proportions.foot * build.proportions.height, build.hips
-    # The neck of a shoe goes up to where trousers and shins end in it.
-    top = build.level(0.052) / size
+    top = build.level(THROAT) / size
     low, high = (-0.36, 0.0, -0.26), (0.80, top + 0.05, 0.30)
     net = polygonise(_upper(top), low, high, 0.062, stretch=0.85, hem=0.035)
-    sole = _sole()
-    tint = np.tile([float(SOLE), 1.0], (len(sole.vertices), 1))
-    patches = [net.follow("foot_r"), replace(sole.follow("foot_r"), tint=tint)]
-    shoe = merge_patches(patches)
-    return with_mirror(replace(shoe, vertices=size * shoe.vertices + [0.0, 0.0, z]))
+    laces = [
+        ellipsoid_surface(np.array([x, y, 0.008]), np.array(LACE_RADII), 2, 6) for x, y in LACES
+    ]
+    trims = [_tinted(part.follow("foot_r"), SOLE) for part in (_sole(), *laces)]
+    shoe = merge_patches([net.follow("foot_r"), *trims])
+    shoe = replace(shoe, vertices=size * shoe.vertices + [0.0, 0.0, z])
+    return with_mirror(merge_patches([shoe, _sock(build)]) if has_socks else shoe)
+
+
+def _tinted(patch: SkinnedPatch, tint: int) -> SkinnedPatch:
+    return replace(patch, tint=np.tile([float(tint), 1.0], (len(patch.vertices), 1)))
+
+
+def _sock(build: BodyMeasures) -> SkinnedPatch:
+    """Return a right sock from the shoe to its cuff."""
+    g, z, outline = build.girth, build.hips, build.outline(SHIN)
+    heights = build.levels(np.array(SOCK))
+    middle, ahead, behind, aside = (
+        np.interp(heights, outline[:, 0], outline[:, k]) for k in range(1, 5)
+    )
+    worn = SOCK_WORN * g * np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
+    angle = np.arange(SOCK_AROUND) * (2.0 * np.pi / SOCK_AROUND)
+    c, s = np.cos(angle), np.sin(angle)
+    depth = np.where(c > 0.0, ahead[:, None], behind[:, None]) + worn[:, None]
+    x = middle[:, None] + depth * c
+    y = np.repeat(heights[:, None], SOCK_AROUND, axis=1)
+    rings = np.stack([x, y, z + (aside + worn)[:, None] * s], axis=-1)
+    solid = loft(rings[:, ::-1], rings[[0, -1]].mean(axis=1))
+    return _tinted(Surface(solid.vertices, solid.faces).follow("shin_r"), SOCK_TINT)
 
 
 def _upper(top: float) -> Field:
@@ -95,6 +139,7 @@ def _sole() -> Surface:
     """Return a right sole with its heel."""
     edges, heights = np.array(SOLE_OUTLINE), np.array(SOLE_HEIGHTS)
     # Denser at the heel's breast, where the underside steps.
+    edges[:, 1:] *= WELT
     x = np.unique(
         np.concatenate([edges[:, 0], [-0.23, -0.19, -0.12, 0.06, 0.08, 0.16, 0.33, 0.46]])
     )

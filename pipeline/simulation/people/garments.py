@@ -18,8 +18,9 @@ from pipeline.simulation.people.bend_creases import (
 )
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.body_mesh import ARM, LEG, on_twisted_arm
+from pipeline.simulation.people.cloth_folds import SEAM, seam_depth, seam_shade
 from pipeline.simulation.people.proportions import BodyMeasures
-from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field
+from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field, sleeve_air
 from pipeline.simulation.people.signed_distance import (
     ellipsoid,
     offset_solid,
@@ -54,8 +55,8 @@ SKIRT = (
 
 SKIRT_HEM, COAT_HEM = 0.300, 0.360
 
-FOLDS, FOLD_DEPTH = 11, 0.0075
-"""Number of the folds of a skirt, and their depth at its hem, in an adult's height."""
+FOLDS, FOLD_DEPTH, UNEVEN = 12, 0.0100, 1.1
+"""Number of the folds of a skirt, their depth at its hem, in girths, and how unlike they are."""
 
 WORN = 0.0032
 """Distance between two layers of cloth, in an adult's height."""
@@ -66,26 +67,48 @@ def _skirt(build: BodyMeasures, hem: float, grown: float) -> SkinnedPatch:
     girth, end = build.girth, build.level(hem)
     outline = build.outline(SKIRT, build.hip_breadth * build.waisted(SKIRT))
     stack = offset_solid(oval_stack(outline), grown * girth)
-    waist = build.level(0.60)
+    waist, seam = build.level(0.60), seam_depth(build, end)
 
     def folded(places: Array) -> Array:
         # Deeper towards the hem.
-        down = np.clip((waist - places[:, 1]) / (waist - end), 0.0, 1.0)
-        around = np.arctan2(places[:, 2], places[:, 0])
+        down = _below_waist(places, waist, end)
         depth = FOLD_DEPTH * girth * down * down
-        result: Array = stack(places) + depth * np.cos(FOLDS * around)
+        result: Array = stack(places) + depth * np.cos(_fold_phase(places)) + seam(places)
         return result
 
     wide = build.hips + 0.15 * girth
     low = (-0.15 * girth, end, -wide)
     high = (0.15 * girth, build.level(0.64), wide)
-    net = polygonise(folded, low, high, 0.0145 * girth, stretch=1.4, symmetric=True, hem=end)
+    net = polygonise(
+        folded, low, high, 0.0145 * girth, stretch=1.4, symmetric=True, hem=end, seam=SEAM * girth
+    )
     y, z = net.vertices[:, 1], net.vertices[:, 2]
     falling = 1.0 - ramp(y, build.level(0.40), build.level(0.55))
     share = falling * (0.70 + 0.20 * ramp(np.abs(z), 0.0, 0.06 * girth))
     thigh = np.where(z > 0.0, FRAMES.index("thigh_r"), FRAMES.index("thigh_l"))
     frames = np.stack([np.full(len(z), FRAMES.index("pelvis")), thigh], axis=-1)
-    return SkinnedPatch(net.vertices, net.faces, frames, share)
+    shade = seam_shade(build, end, y) * (1.0 - VALLEY_DARKNESS * _valley(net.vertices, waist, end))
+    return SkinnedPatch(net.vertices, net.faces, frames, share, shade=shade)
+
+
+VALLEY_DARKNESS = 0.35
+"""How dark the bottom of a fold of a skirt is at its hem."""
+
+
+def _valley(places: Array, waist: float, end: float) -> Array:
+    """Return how deep places (n, 3) lie in the folds of a skirt, from 0 to 1 at the hem."""
+    deep = 0.5 + 0.5 * np.cos(_fold_phase(places))
+    return np.asarray(_below_waist(places, waist, end) * deep * deep)
+
+
+def _below_waist(places: Array, waist: float, end: float) -> Array:
+    return np.asarray(np.clip((waist - places[:, 1]) / (waist - end), 0.0, 1.0))
+
+
+def _fold_phase(places: Array) -> Array:
+    """Return the phase (n,) of folds, which are not of one breadth all around."""
+    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+    return np.asarray(FOLDS * around + UNEVEN * np.sin(3.0 * around))
 
 
 @cached_part
@@ -353,11 +376,11 @@ def stripes(build: BodyMeasures) -> SkinnedPatch:
     patches = []
     for rows, z, hinge, ends, frames in (
         (LEG, build.hips, TROUSERED_KNEE, (0.060, 0.500), ("thigh_r", "shin_r")),
-        (ARM, build.shoulders, SLEEVED_ELBOW, (0.510, 0.765), ("upper_arm_r", "forearm_r")),
+        (ARM, build.shoulders, SLEEVED_ELBOW, (0.522, 0.765), ("upper_arm_r", "forearm_r")),
     ):
         outline = build.outline(rows)
-        thick = 0.0042 if rows is ARM else 0.0
         levels = np.linspace(build.level(ends[0]), build.level(ends[1]), 24)
+        thick = sleeve_air(build, "cuffed", levels) if rows is ARM else np.zeros(len(levels))
         x, side = (np.interp(levels, outline[:, 0], outline[:, k]) for k in (1, 4))
         points = np.stack([x, levels, z + side + (thick - 0.0035) * g], axis=-1)
         stripe = tube(points, np.full(len(points), 0.0060 * g), 6)

@@ -341,6 +341,12 @@ Style = Callable[[Head], Field]
 HAIR_LINE = ((0.345, 0.270, 0.0), (0.72, -0.66, 0.0))
 """Place and direction of the plane that cuts off hair at the forehead."""
 
+TEMPLE, TEMPLE_BREADTH, TEMPLE_RISE = 0.215, 0.075, 0.062
+"""Place of a temple aside, its breadth, and by how much the line runs higher there, in heads."""
+
+LINE_WAVE = 0.010
+"""By how much the line runs to and fro, in heads."""
+
 BABY_HAIR = 0.45
 """Share of the skin that is seen between the thin hairs of the hair line."""
 
@@ -348,10 +354,21 @@ BABY_HAIR = 0.45
 def _hair_cap(head: Head, thick: float) -> Field:
     """Return hair on the skull, cut off along a line from the forehead to the nape."""
     s, at = head.size, head.at
-    skull = ellipsoid(at(-0.060, 0.125, 0.0), s * (np.array([0.430, 0.385, 0.345]) + thick))
-    point, normal = HAIR_LINE
-    line = half_space(at(*point), normal)
+    skull = ellipsoid(at(-0.060, 0.130, 0.0), s * (np.array([0.430, 0.395, 0.345]) + thick))
+
+    def line(places: Array) -> Array:
+        return np.asarray(s * _before_hair_line((places - head.centre) / s))
+
     return smooth_intersection(skull, line, 0.05 * s)
+
+
+def _before_hair_line(places: Array) -> Array:
+    """Return the distances (n,) of places before the hair line, negative behind it, in heads."""
+    point, normal = (np.array(v) for v in HAIR_LINE)
+    aside = np.abs(places[:, 2])
+    temple = TEMPLE_RISE * np.exp(-(((aside - TEMPLE) / TEMPLE_BREADTH) ** 2))
+    wave = LINE_WAVE * np.sin(22.0 * aside + 2.2)
+    return np.asarray((places - point) @ normalized(normal) + temple + wave)
 
 
 def _short(head: Head) -> Field:
@@ -458,8 +475,7 @@ def _hair_gloss(places: Array, normals: Array) -> Array:
     locks = 0.62 + 0.38 * np.sin(11.0 * around) * np.sin(5.0 * around + 1.0)
     band = np.exp(-(((normals[:, 1] - GLOSS_RISE) / GLOSS_BREADTH) ** 2))
     tint = np.stack([np.full(len(places), float(SHEEN)), GLOSS * band * locks], axis=-1)
-    point, normal = (np.array(v) for v in HAIR_LINE)
-    edge = BABY_HAIR * ramp((places - point) @ normalized(normal), -0.055, -0.005)
+    edge = BABY_HAIR * ramp(_before_hair_line(places), -0.075, -0.005)
     # Long hair that hangs beside the face is as thick as elsewhere.
     edge *= ramp(places[:, 1], 0.04, 0.18)
     thin = edge > tint[:, 1]

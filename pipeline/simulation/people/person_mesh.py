@@ -40,10 +40,10 @@ from pipeline.simulation.people.head_mesh import (
     teeth,
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
-from pipeline.simulation.people.shirt_mesh import shirt
+from pipeline.simulation.people.shirt_mesh import Sleeve, shirt
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
 from pipeline.simulation.people.tints import tint_colors
-from pipeline.simulation.people.trims import belt, collar, cuffs, trouser_hems, waistband
+from pipeline.simulation.people.trims import belt, collar, cuffs, shirt_cuffs, waistband
 from pipeline.simulation.people.wardrobe import Clothes, Garment, Stature
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
@@ -184,20 +184,20 @@ def _layers(
     elif "hood" not in garments:
         worn.append(collar(build, not FOLDED_COLLARS.isdisjoint(garments)))
     worn += [fastenings(build, word) for word in garments if word in FRONTS]
-    worn.append(cuffs(build, short_sleeves))
-    yield "shirt", [shirt(build, short_sleeves, tucked), *worn]
+    outer = not {"suit", "coat"}.isdisjoint(garments)
+    sleeve: Sleeve = "short" if short_sleeves else "straight" if outer else "cuffed"
+    worn.append(cuffs(build, sleeve))
+    yield "shirt", [shirt(build, sleeve, tucked), *worn]
     legs = [skirt(build)] if "skirt" in garments else [trousers(build, shorts, "coat" in garments)]
-    if "skirt" not in garments:
-        legs.append(trouser_hems(build, shorts))
     if "bib" in garments:
         legs += [bib(build), waistband(build)]
     yield "trousers", legs
     if "suit" in garments:
-        yield "front", [suit_front(build)]
+        yield "front", [suit_front(build), shirt_cuffs(build)]
         yield "accent", [tie(build)]
     if "stripes" in garments:
         yield "accent", [stripes(build)]
-    yield "shoes", [shoes(build), *([belt(build)] if "tucked" in garments else [])]
+    yield "shoes", [shoes(build, bool(bare)), *([belt(build)] if "tucked" in garments else [])]
     yield "eyes", [own(eyeballs(head)), own(teeth(head))]
 
 

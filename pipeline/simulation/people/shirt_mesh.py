@@ -6,6 +6,9 @@ down: skinning takes each arm from there to where it is with the least bend of t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,19 +17,21 @@ from pipeline.simulation.people.bend_creases import SLEEVED_ELBOW, hinge_creases
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
 from pipeline.simulation.people.body_mesh import ARM, below_elbow, held_twist
 from pipeline.simulation.people.cloth_folds import (
+    SEAM,
     SHIRT,
     SHORT_SLEEVE,
     SLEEVE,
     fold_depth,
     fold_shade,
     folded,
+    seam_depth,
+    seam_shade,
 )
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
     Field,
     ellipsoid,
     half_space,
-    offset_solid,
     oval_stack,
     round_cone,
     smooth_intersection,
@@ -90,36 +95,54 @@ neck between which that begins, both in girths; heights between which it comes a
 of the arm between which it ends."""
 
 SLEEVE_THICKNESS = 0.0036
-"""Of a sleeve with the air in it, in girths."""
+"""Of a sleeve with the air in it where it lies on the arm, in girths."""
 
 CELL, ELBOW_REACH = 0.0120, 0.050
 """Distance of the samples of a shirt, and from an elbow within which they are twice as dense, in
 girths."""
 
-SHORT_END, LONG_END = 0.715, 0.500
-"""Heights of the ends of sleeves that hang, as fractions of an adult's height."""
+Sleeve = Literal["short", "cuffed", "straight"]
+"""How sleeves end: above the elbow, gathered by a cuff, or wide at the wrist."""
+
+SLEEVE_ENDS: Mapping[Sleeve, float] = {"short": 0.7112, "cuffed": 0.5030, "straight": 0.5070}
+"""Heights of the ends of sleeves that hang, within their bands, as fractions of an adult's height.
+"""
+
+AIR: Mapping[Sleeve, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    "short": ((0.705, 0.730, 0.765), (0.0105, 0.0075, 0.0036)),
+    "cuffed": ((0.515, 0.524, 0.545, 0.600, 0.640), (0.0030, 0.0072, 0.0090, 0.0052, 0.0036)),
+    "straight": ((0.500, 0.540, 0.600, 0.640), (0.0085, 0.0075, 0.0048, 0.0036)),
+}
+"""Heights along sleeves, and how far they stand off the arm there, in girths."""
+
+
+def sleeve_air(build: BodyMeasures, sleeve: Sleeve, heights: Array) -> Array:
+    """Return how far a sleeve stands off the arm at some heights (n,), in girths."""
+    levels, away = AIR[sleeve]
+    return np.interp(heights, build.levels(np.array(levels)), away)
 
 
 @cached_part
-def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> SkinnedPatch:
+def shirt(build: BodyMeasures, sleeve: Sleeve, tucked: bool = False) -> SkinnedPatch:
     """Return a shirt: its trunk between pelvis and chest, and its sleeves."""
     g, hem = build.girth, build.level(TUCKED_HEM if tucked else SHIRT_HEM)
-    end = build.level(SHORT_END if short_sleeves else LONG_END)
+    end, short_sleeves = build.level(SLEEVE_ENDS[sleeve]), sleeve == "short"
     joint = frame_origins(build.proportions)[FRAMES.index("upper_arm_r")]
     trunk = symmetric_field(shirt_field(build))
     trunk_folds = symmetric_field(fold_depth(build, SHIRT, 0.0))
     arm_folds = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, build.shoulders)
-    sleeve = folded(_sleeve_field(build, end), arm_folds)
+    arm = folded(_sleeve_field(build, sleeve, end), arm_folds)
 
     def spread_sleeve(places: Array) -> Array:
-        return sleeve(_swung(places, joint, -SPREAD))
+        return arm(_swung(places, joint, -SPREAD))
 
-    whole = smooth_union([folded(trunk, trunk_folds), spread_sleeve], JOINED * g)
+    hemmed = folded(folded(trunk, trunk_folds), seam_depth(build, hem))
+    whole = smooth_union([hemmed, spread_sleeve], JOINED * g)
     wide = joint[2] + (joint[1] - end) * np.sin(SPREAD) + 0.05 * g
     low, high = (-0.1 * g, hem, -wide), (0.1 * g, build.level(0.90), wide)
     elbow = joint[2] + (joint[1] - build.level(SLEEVED_ELBOW.level)) * np.sin(SPREAD)
     fine = None if short_sleeves else (2, elbow, ELBOW_REACH * g)
-    net = polygonise(whole, low, high, CELL * g, symmetric=True, hem=hem, fine=fine)
+    net = polygonise(whole, low, high, CELL * g, symmetric=True, hem=hem, fine=fine, seam=SEAM * g)
     side = np.where(net.vertices[:, 2:] < 0.0, MIRROR, 1.0)
     spread = side * net.vertices
     straight = _swung(spread, joint, -SPREAD)
@@ -134,6 +157,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
     frames, share, twist = _followed(build, hanging, straight, pull)
     by_trunk = fold_shade(build, trunk_folds, spread)
     shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
+    edge = 1.0 - (1.0 - pull) * (1.0 - seam_shade(build, hem, spread[:, 1]))
     normals = side * vertex_normals(side * hanging, net.faces)
     crease = np.zeros_like(hanging)
     if not short_sleeves:
@@ -145,7 +169,7 @@ def shirt(build: BodyMeasures, short_sleeves: bool, tucked: bool = False) -> Ski
         net.faces,
         np.where(side[:, 2:] < 0.0, MIRRORED_FRAMES[frames], frames),
         share,
-        shade=shade * _armpit_shade(build, hanging, pull),
+        shade=shade * _armpit_shade(build, hanging, pull) * edge,
         crease=side * crease,
         twist=side * twist,
     )
@@ -213,10 +237,14 @@ ARMPIT_SHADE = 0.30
 """How dark a shirt is under the arms, and a sleeve beside the chest."""
 
 
-def _sleeve_field(build: BodyMeasures, end: float) -> Field:
+def _sleeve_field(build: BodyMeasures, sleeve: Sleeve, end: float) -> Field:
     """Return the solid of the right sleeve, hanging, down to a height [m]."""
     g, z, top = build.girth, build.shoulders, build.level(0.818)
-    arm = offset_solid(oval_stack(build.outline(ARM), z), SLEEVE_THICKNESS * g)
+    bare = oval_stack(build.outline(ARM), z)
+
+    def arm(places: Array) -> Array:
+        return np.asarray(bare(places) - g * sleeve_air(build, sleeve, places[:, 1]))
+
     # The deltoid stands out beside the joint, and ends in a hollow above the biceps.
     shoulder = round_cone(
         (-0.001 * g, top - 0.012 * g, z - 0.005 * g),

@@ -176,6 +176,7 @@ def polygonise(
     symmetric: bool = False,
     hem: float | None = None,
     fine: tuple[int, float, float] | None = None,
+    seam: float | None = None,
 ) -> Surface:
     """Return the zero surface of a field.
 
@@ -189,6 +190,7 @@ def polygonise(
         hem: height at which the solid is cut off by an even edge, in place of the box's [m].
         fine: axis, and the place on it with the distance within which samples are twice as dense;
             on both sides of a symmetric solid [m].
+        seam: height above the hem of its seam, where samples are dense [m].
     """
     if symmetric:
         field = symmetric_field(field)
@@ -198,7 +200,7 @@ def polygonise(
         for k, ends in enumerate(zip(low, high, steps, strict=True))
     ]
     if hem is not None:
-        axes[1] = _hemmed_samples(hem, high[1], steps[1])
+        axes[1] = _hemmed_samples(hem, high[1], steps[1], seam)
     if fine is not None:
         axes[fine[0]] = _halved_steps(axes[fine[0]], *fine[1:])
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -227,12 +229,17 @@ HEM_FOLD = 0.35
 """Height of the first row above an edge, in a cell: the light turns there and no higher."""
 
 
-def _hemmed_samples(hem: float, top: float, step: float) -> Array:
+SEAM_ROWS = (0.70, 0.90, 1.10, 1.40)
+"""Heights of samples about the seam of a hem, in its height: vertices lie half way between them."""
+
+
+def _hemmed_samples(hem: float, top: float, step: float, seam: float | None) -> Array:
     """Return heights of samples of which the first two lie just below and above an edge [m]."""
     near = 0.01 * step
-    fold = hem + near + HEM_FOLD * step
-    rest = fold + step * np.arange(1, int(np.ceil(max(top - fold, 0.0) / step)) + 1)
-    return np.array([hem - near, hem + near, fold, *rest])
+    rows = [HEM_FOLD * step + near] if seam is None else [seam * row for row in SEAM_ROWS]
+    last = hem + rows[-1]
+    rest = last + step * np.arange(1, int(np.ceil(max(top - last, 0.0) / step)) + 1)
+    return np.array([hem - near, hem + near, *(hem + row for row in rows), *rest])
 
 
 def _hem_edge(

@@ -8,7 +8,7 @@ from pipeline.simulation.spatial import Array
 from render.color import linear
 from render.config import MATERIALS
 
-LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE, LASH, SHEEN, PALE, BEARD = range(1, 13)
+LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE, LASH, SHEEN, PALE, BEARD, SOCK = range(1, 14)
 """Tints of vertices, the rows of `tint_colors`; 0 is the colour of the material."""
 
 LIPS = {
@@ -39,15 +39,23 @@ SHEEN_COLOR = (0.36, 0.32, 0.28)
 LIMBUS_SHADE = 0.3
 """Colour of the rim of an iris, in that of the iris."""
 
-PALE_SOLES = ("white cloth",)
-"""Materials of shoes whose soles are of rubber and pale; others have dark soles of leather."""
+RUBBER, GUM, HEEL = (0.52, 0.50, 0.46), (0.24, 0.13, 0.06), (0.022, 0.015, 0.011)
+"""Colours of soles and laces, linear: pale rubber, brown rubber, and leather."""
 
-PALE_SOLE, DARK_SOLE = (0.52, 0.50, 0.46), (0.022, 0.015, 0.011)
-"""Colours of soles, linear."""
+PALE_SOCK, GREY_SOCK, DARK_SOCK = (0.56, 0.55, 0.52), (0.10, 0.11, 0.13), (0.03, 0.032, 0.038)
+"""Colours of socks, linear."""
+
+SHOE_TRIMS = {
+    "leather": (HEEL, DARK_SOCK),
+    "black leather": (HEEL, DARK_SOCK),
+    "white cloth": (GUM, GREY_SOCK),
+}
+"""Colours of the sole and laces, and of socks, by the material of shoes; none is that of the shoe.
+"""
 
 
 def tint_colors(skin: str, iris: str, shoes: str, hair: str) -> Array:
-    """Return the linear colours (13, 3) of the tints of a person.
+    """Return the linear colours (14, 3) of the tints of a person.
 
     Args:
         skin: material.
@@ -58,6 +66,6 @@ def tint_colors(skin: str, iris: str, shoes: str, hair: str) -> Array:
     own, lip, eye = (linear(MATERIALS[name].color) for name in (skin, LIPS.get(skin, "lips"), iris))
     mouth = (lip, HOLLOW_COLOR, BLUSH_SHADE * own)
     eyes = (eye, LIMBUS_SHADE * eye, PUPIL_COLOR)
-    sole = PALE_SOLE if shoes in PALE_SOLES else DARK_SOLE
+    sole, sock = SHOE_TRIMS.get(shoes, (RUBBER, PALE_SOCK))
     face = (PALE_SHADE * own, BEARD_SHADE * linear(MATERIALS[hair].color))
-    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole, LASH_COLOR, SHEEN_COLOR, *face))
+    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole, LASH_COLOR, SHEEN_COLOR, *face, sock))

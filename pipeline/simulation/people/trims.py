@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
-from pipeline.simulation.people.body_mesh import ARM, LEG, on_twisted_arm
+from pipeline.simulation.people.body_mesh import ARM, on_twisted_arm
 from pipeline.simulation.people.proportions import BodyMeasures
-from pipeline.simulation.people.shirt_mesh import SLEEVE_THICKNESS, TORSO, torso_breadths
+from pipeline.simulation.people.shirt_mesh import (
+    SLEEVE_THICKNESS,
+    TORSO,
+    Sleeve,
+    sleeve_air,
+    torso_breadths,
+)
 from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
     Surface,
@@ -24,13 +31,24 @@ AROUND = 16
 THICK = 0.0045
 """Thickness of a band, whose outside is that of the cloth, in girths."""
 
-CUFF, SHORT_CUFF, TROUSER_HEM, SHORTS_HEM = (
-    (0.4985, 0.5130),
-    (0.7135, 0.7215),
-    (0.0275, 0.0390),
-    (0.3285, 0.3385),
-)
-"""Lower and upper edges of bands, as fractions of an adult's height."""
+CUFFS: Mapping[Sleeve, tuple[float, float]] = {
+    "short": (0.7030, 0.7130),
+    "cuffed": (0.4955, 0.5190),
+    "straight": (0.4985, 0.5100),
+}
+"""Lower and upper edges of the bands of sleeves, as fractions of an adult's height."""
+
+SHIRT_CUFF = (0.4915, 0.5060)
+"""Edges of a cuff that shows below the sleeve of a jacket likewise."""
+
+CUFF_WORN = 0.0012
+"""Distance of a cuff from the sleeve that it ends, in girths."""
+
+HOLLOW = 0.0080
+"""Height up to which one looks into a band from below, as a fraction of an adult's height."""
+
+BAND_SHADES = (0.20, 0.40, 1.0, 1.0, 0.45)
+"""Shades of the rings of a band: inside, at its edges, and where it lies on cloth."""
 
 BELT, BELT_WORN = (0.5885, 0.6030), 0.0018
 """Edges of a belt likewise, and its distance from the outline of the shirt, in girths."""
@@ -43,6 +61,9 @@ RIB = ((0.8420, 0.0415), (0.8430, 0.0442), (0.8565, 0.0396), (0.8565, 0.0345))
 
 COLLAR = ((0.8395, 0.0440), (0.8395, 0.0485), (0.8630, 0.0394), (0.8620, 0.0345))
 """Rings of a collar that is folded down."""
+
+COLLAR_SHADES = (0.45, 0.85, 1.0, 0.55)
+"""Shades of the rings of a neck: where it lies on the shirt, and inside."""
 
 LOWER_RINGS, COLLAR_FRONT = 2, (np.radians((0.0, 22.5, 45.0, 90.0)), (-0.017, 0.016, 0.004, 0.0))
 """Rings of the lower edge of a folded collar; angles from the front, and by how much it lies lower
@@ -62,20 +83,25 @@ def _ring(middle: float, reach: tuple[float, float, float], y: float, z: float) 
 
 
 def _band(
-    build: BodyMeasures, outline: Array, edges: tuple[float, float], worn: float, z: float = 0.0
-) -> Surface:
-    """Return a band around a stack of ovals.
+    build: BodyMeasures,
+    outline: Array,
+    edges: tuple[float, float],
+    worn: float,
+    z: float = 0.0,
+) -> Hollow:
+    """Return a band around a stack of ovals, hollow below.
 
     Args:
         build: measures of the person.
         outline: (n, 5) of `BodyMeasures.outline` [m].
         edges: heights of its edges, as fractions of an adult's height.
-        worn: distance of the cloth that it lies on from the outline, in girths.
+        worn: distance of its outside from the outline, in girths.
         z: of the middle of the limb [m].
     """
     g = build.girth
     rings = []
     for level, out in (
+        (edges[0] + HOLLOW, worn - THICK),
         (edges[0], worn - THICK),
         (edges[0], worn),
         (edges[1], worn),
@@ -85,7 +111,29 @@ def _band(
         middle, *reach = (np.interp(y, outline[:, 0], outline[:, k]) for k in range(1, 5))
         ahead, behind, aside = (float(r) + out * g for r in reach)
         rings.append(_ring(float(middle), (ahead, behind, aside), y, z))
-    return _closed(rings)
+    return Hollow(_closed(rings), _ring_shade(BAND_SHADES))
+
+
+@dataclass(frozen=True)
+class Hollow:
+    """A band that is dark inside and where it lies on cloth.
+
+    Attributes:
+        surface: of the band.
+        shade: (V,) of its vertices.
+    """
+
+    surface: Surface
+    shade: Array
+
+    def follow(self, frame: str) -> SkinnedPatch:
+        """Return the band as a patch that follows one frame."""
+        return replace(self.surface.follow(frame), shade=self.shade)
+
+
+def _ring_shade(shades: Sequence[float]) -> Array:
+    """Return the shade of the vertices of `_closed`, whose last two are the ends."""
+    return np.concatenate([np.repeat(shades, AROUND), [shades[0], shades[-1]]])
 
 
 def _closed(rings: Sequence[Array]) -> Surface:
@@ -102,23 +150,21 @@ def _closed(rings: Sequence[Array]) -> Surface:
 
 
 @cached_part
-def cuffs(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
-    """Return the cuffs of both sleeves."""
-    outline, z = build.outline(ARM), build.shoulders
-    if short_sleeves:
-        band = _band(build, outline, SHORT_CUFF, SLEEVE_THICKNESS, z).follow("upper_arm_r")
-        band = on_twisted_arm(build, band)
-    else:
-        band = _band(build, outline, CUFF, SLEEVE_THICKNESS, z).follow("forearm_r")
-    return with_mirror(band)
+def cuffs(build: BodyMeasures, sleeve: Sleeve) -> SkinnedPatch:
+    """Return the cuffs of both sleeves, or the edges of those without."""
+    edges = CUFFS[sleeve]
+    worn = CUFF_WORN + float(sleeve_air(build, sleeve, np.array([build.level(edges[0])]))[0])
+    band = _band(build, build.outline(ARM), edges, worn, build.shoulders)
+    if sleeve == "short":
+        return with_mirror(on_twisted_arm(build, band.follow("upper_arm_r")))
+    return with_mirror(band.follow("forearm_r"))
 
 
 @cached_part
-def trouser_hems(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
-    """Return the hems of both legs."""
-    outline = build.outline(LEG)
-    band = _band(build, outline, SHORTS_HEM if shorts else TROUSER_HEM, 0.0, build.hips)
-    return with_mirror(band.follow("thigh_r" if shorts else "shin_r"))
+def shirt_cuffs(build: BodyMeasures) -> SkinnedPatch:
+    """Return the cuffs of a shirt below the sleeves of a jacket."""
+    band = _band(build, build.outline(ARM), SHIRT_CUFF, SLEEVE_THICKNESS, build.shoulders)
+    return with_mirror(band.follow("forearm_r"))
 
 
 @cached_part
@@ -150,4 +196,4 @@ def collar(build: BodyMeasures, folded: bool) -> SkinnedPatch:
             # It ends in two points beside a gap in the middle of the front.
             ring[:, 1] -= g * np.interp(aside, *COLLAR_FRONT)
         rings.append(ring)
-    return _closed(rings).follow("chest")
+    return replace(_closed(rings).follow("chest"), shade=_ring_shade(COLLAR_SHADES))

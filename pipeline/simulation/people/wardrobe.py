@@ -39,7 +39,10 @@ LONGER: tuple[HairStyle, ...] = ("bob", "bun", "long")
 
 STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
 
-SHOES = ("leather", "black cloth", "white cloth")
+SHOES = ("leather", "black cloth", "white cloth", "red cloth", "navy cloth")
+
+BARE_LOOKING = ("tan skin", "brown skin", "dark skin")
+"""Skins of which shoes of brown leather would look like the bare feet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +74,13 @@ OUTFITS: Mapping[Costume, Outfit] = {
         short_sleeves=True,
         shorts=True,
         trousers=("beige cloth", "navy cloth", "denim"),
-        shoes=("white cloth", "leather"),
+        shoes=("white cloth", "leather", "red cloth"),
     ),
     "office": Outfit(
         ("tucked",),
         shirts=("white cloth", "blue cloth", "pink cloth"),
         trousers=("black cloth", "grey cloth", "navy cloth"),
-        shoes=("leather", "black cloth"),
+        shoes=("leather", "black leather"),
     ),
     "hoodie": Outfit(
         ("hood",),
@@ -102,7 +105,7 @@ OUTFITS: Mapping[Costume, Outfit] = {
         ("suit",),
         shirts=("navy cloth", "grey cloth", "black cloth"),
         trousers=(),
-        shoes=("leather", "black cloth"),
+        shoes=("leather", "black leather"),
         styles=("short", "short", "bun", "bob"),
     ),
     "sport": Outfit(
@@ -203,6 +206,8 @@ def _clothes(name: str, seed: int, costume: Costume, turn: int) -> Clothes:
     iris = choice(LIGHT_IRISES if is_light else ("brown iris",))
     trousers = choice(others) if others else shirt
     shoes = choice(outfit.shoes)
+    if shoes == "leather" and skin in BARE_LOOKING:
+        shoes = "white cloth" if outfit.shorts or "skirt" in outfit.garments else "black leather"
     style = choice(outfit.styles)
     features = draw_features(generator(seed, f"{name}/features"), style == "short")
     return Clothes(

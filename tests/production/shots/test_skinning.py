@@ -83,6 +83,23 @@ def test_creases_act_by_the_sine_of_the_bend(degrees: float, share: float) -> No
     np.testing.assert_allclose(posed, wanted, atol=1e-7)
 
 
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 60.0, 90.0, 130.0])
+def test_creases_of_limbs_that_twist_act_by_the_rise_of_the_limb(degrees: float) -> None:
+    """A limb is swung ahead from hanging: it rises by 1 less the cosine."""
+    crease, half = np.array([0.02, -0.01, 0.03]), np.radians(degrees) / 2
+    q = np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(half), 0.0, 0.0, np.sin(half)]])
+    mesh = Mesh(
+        np.zeros((3, 3), np.float32),
+        np.array([[0, 1, 2]], np.uint32),
+        np.array([[0, 1]] * 3, np.int32),
+        np.array([[1.0, 0.0]] * 3, np.float32),
+        creases=np.array([crease] * 3, np.float32),
+        twists=np.array([[0.8, -0.6, 0.0]] * 3, np.float32),
+    )
+    rise = min(1.0 - np.cos(np.radians(degrees)), 1.0)
+    np.testing.assert_allclose(posed_by_two(q, mesh), [rise * crease] * 3, atol=1e-7)
+
+
 @pytest.mark.parametrize("held", [1.0, 0.5])
 def test_a_vertex_leaves_out_a_share_of_the_twist_of_its_limb(held: float) -> None:
     """The second node is twisted by 80 degrees about its limb, which is swung ahead by 90."""

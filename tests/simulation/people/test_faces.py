@@ -184,3 +184,17 @@ def test_the_tip_of_a_nose_stands_out_a_little_before_its_root(shape: FaceShape)
     tip = x[middle & (np.abs(y + 0.14) < 0.05)].max()
     root = x[middle & (np.abs(y - shape.eye[0][1]) < 0.03)].max()
     assert 0.03 < tip - root < 0.07
+
+
+def test_children_have_large_low_eyes_a_short_nose_and_a_small_chin() -> None:
+    adult, child = (SHAPES[name] for name in ("adult", "child"))
+    assert child.eye[1] > 1.15 * adult.eye[1]
+    assert child.eye[0][1] < adult.eye[0][1] - 0.06
+    chins, noses = [], []
+    for shape in (adult, child):
+        x, y, z = face_grid(shape).vertices.T
+        middle = np.abs(z) < 0.02
+        chins.append(float(x[middle & (np.abs(y + 0.43) < 0.025)].max()))
+        noses.append(float(x[middle & (np.abs(y + 0.14) < 0.05)].max()))
+    assert chins[1] < chins[0] - 0.015
+    assert noses[1] < noses[0] - 0.015

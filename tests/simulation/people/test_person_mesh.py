@@ -21,7 +21,10 @@ from pipeline.simulation.people.body_frames import (
     frame_origins,
     frames_from_joints,
 )
-from pipeline.simulation.people.garments import FRONTS, fastenings
+from pipeline.simulation.people.body_mesh import bare_arms, trousers
+from pipeline.simulation.people.cloth_folds import SEAM
+from pipeline.simulation.people.footwear import shoes
+from pipeline.simulation.people.garments import FRONTS, SKIRT_HEM, fastenings, skirt
 from pipeline.simulation.people.person_mesh import (
     MaterialLayer,
     layer_parts,
@@ -34,9 +37,12 @@ from pipeline.simulation.people.proportions import (
     BodyMeasures,
     Proportions,
 )
-from pipeline.simulation.people.shirt_mesh import shirt, shirt_field
+from pipeline.simulation.people.shirt_mesh import SHIRT_HEM, Sleeve, shirt, shirt_field
 from pipeline.simulation.people.skinned_surface import symmetric_field
+from pipeline.simulation.people.tints import PALE_SOCK, RUBBER, SHOE_TRIMS, SOCK
+from pipeline.simulation.people.trims import cuffs
 from pipeline.simulation.people.wardrobe import (
+    BARE_LOOKING,
     OUTFITS,
     Clothes,
     Garment,
@@ -46,6 +52,7 @@ from pipeline.simulation.people.wardrobe import (
 from pipeline.simulation.spatial import Array, normalized, quaternion, rotation
 from pipeline.simulation.take import Node
 from pipeline.spec.costume import COSTUMES, Costume, HairStyle
+from render.color import linear
 from render.config import MATERIALS
 
 DENSITY = 985.0
@@ -130,7 +137,7 @@ def test_meshes_are_small_and_follow_adjacent_frames(
     proportions: Proportions, clothes: Clothes
 ) -> None:
     layers = person_layers(proportions, clothes)
-    assert sum(len(layer.mesh.vertices) for layer in layers) < 11900
+    assert sum(len(layer.mesh.vertices) for layer in layers) < 12200
     beside = {(k, parent) for k, parent in enumerate(PARENTS)}
     for layer in layers:
         mesh = layer.mesh
@@ -222,7 +229,7 @@ def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
 def test_shoulders_slope_down_from_the_neck(proportions: Proportions) -> None:
     build = BodyMeasures(proportions, 1.0)
-    places = shirt(build, short_sleeves=False).vertices
+    places = shirt(build, "cuffed").vertices
     g, height = build.girth, proportions.height
     tops = []
     for aside in (0.05 * g, build.shoulders - 0.02 * g, build.shoulders + 0.012 * g):
@@ -236,7 +243,7 @@ def test_long_hair_goes_with_a_bust_and_a_waist() -> None:
     def outline(proportions: Proportions, style: HairStyle) -> tuple[float, float]:
         """Return how far the chest reaches ahead, and half the width of the waist [m]."""
         build = BodyMeasures(proportions, 1.0, Clothes(style=style).is_curved)
-        patch = shirt(build, short_sleeves=True)
+        patch = shirt(build, "short")
         on_trunk = np.isin(patch.frames[:, 0], [FRAMES.index("pelvis"), FRAMES.index("chest")])
         x, y, z = patch.vertices[on_trunk].T
         chest = np.abs(y - build.level(0.73)) < 0.02 * proportions.height
@@ -265,6 +272,52 @@ def test_cloth_creases_inside_a_bent_elbow_alone() -> None:
     far = np.abs(mesh.vertices[:, 1] - elbow[1]) > 0.12
     below = mesh.vertices[:, 1] < ADULT.height * ADULT.shoulder - 0.12
     assert not np.abs(mesh.creases[far & below]).max() > 1e-4
+
+
+@pytest.mark.parametrize("sleeve", get_args(Sleeve))
+@pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
+def test_sleeves_end_in_hollow_bands_around_the_arm(
+    proportions: Proportions, sleeve: Sleeve
+) -> None:
+    build = BodyMeasures(proportions, 1.0)
+    band, arms = cuffs(build, sleeve), bare_arms(build, sleeve == "short")
+    right = band.vertices[:, 2] > 0.0
+    edge = band.vertices[right, 1].min()
+    at_edge = right & (band.vertices[:, 1] < edge + 1e-6)
+    near = np.abs(arms.vertices[:, 1] - edge) < 0.012 * proportions.height
+    arm = arms.vertices[near & (arms.vertices[:, 2] > 0.0)]
+    for axis, middle in ((0, float(arm[:, 0].mean())), (2, build.shoulders)):
+        rim = np.abs(band.vertices[at_edge, axis] - middle).max()
+        assert rim > np.abs(arm[:, axis] - middle).max() + 0.0015 * build.girth
+    # One looks into the dark, up to where the sleeve is closed.
+    inside = right & (band.shades < 0.3)
+    assert band.vertices[inside, 1].min() > edge + 0.004 * proportions.height
+
+
+def test_hems_have_seams() -> None:
+    build = BodyMeasures(ADULT, 1.0)
+    for patch, hem in (
+        (shirt(build, "short"), SHIRT_HEM),
+        (trousers(build, shorts=True), 0.330),
+        (skirt(build), SKIRT_HEM),
+    ):
+        above = (patch.vertices[:, 1] - build.level(hem)) / (SEAM * build.girth)
+        assert patch.shades[np.abs(above - 1.0) < 0.08].max() < 0.75
+        assert patch.shades[np.abs(above - 0.5) < 0.4].max() > 0.95
+
+
+def test_shoes_are_no_bare_feet() -> None:
+    dealt = [alone("ann", seed, name) for name in COSTUMES for seed in range(40)]
+    for look in dealt:
+        assert look.shoes != "leather" or look.skin not in BARE_LOOKING
+        _, shoe = linear(MATERIALS[look.skin].color), linear(MATERIALS[look.shoes].color)
+        for trim in SHOE_TRIMS.get(look.shoes, (RUBBER, PALE_SOCK)):
+            assert np.abs(np.log((np.array(trim) + 0.01) / (shoe + 0.01))).max() > 0.3
+    # Socks show below bare shins alone.
+    build = BodyMeasures(ADULT, 1.0)
+    bare, covered = (shoes(build, has_socks) for has_socks in (True, False))
+    assert (bare.tints[:, 0] == SOCK).sum() > 0 == (covered.tints[:, 0] == SOCK).sum()
+    assert bare.vertices[:, 1].max() > covered.vertices[:, 1].max()
 
 
 def test_equal_clothes_share_meshes() -> None:

@@ -19,7 +19,7 @@ FORWARD = np.array([1.0, 0.0, 0.0])
 Offset = tuple[float, float, float]
 """Ahead, up and outward, in the radius of the node."""
 
-LOIN_PLACE, LOIN_RISE, LOIN_BITE = 0.34, 0.10, 0.16
+LOIN_PLACE, LOIN_RISE, LOIN_BITE = 0.34, 0.10, 0.10
 """Where the hollow of the loin is: ahead of the hip, in the way to the shoulder; above the middle
 of the trunk, and how deep, in the radius of the hip."""
 

@@ -81,9 +81,12 @@ def test_legs_stretch_back_and_reach_ahead_the_more_the_longer_and_faster_they_f
 ) -> None:
     length = 0.8
     hips = np.array([[x, 0.0, z] for x in (0.5, -0.5) for z in (-0.1, 0.1)])[-legs:]
-    hopper = SimpleNamespace(hips=hips, folded_lengths=np.full(legs, 0.2), leg_length=length)
+    hopper = SimpleNamespace(
+        hips=hips, rest_feet=hips, folded_lengths=np.full(legs, 0.2), leg_length=length
+    )
     start, end = (hips + np.array([x, -0.75, 0.0]) for x in (-0.1, 0.1))
-    v = np.array([speed, 2.0, 0.0])
+    # A little askew, as on hills.
+    v = np.array([speed, 2.0, 0.01 * speed])
     swing = flight_swing(hopper, start, end, 0.0, time, v, False)  # type: ignore[arg-type]
     leap = (1.0 if time > 0.5 else 0.2) * (speed > 0.0)
     steady = [start + share * (end - start) for share in SWING_KNOTS]
@@ -91,16 +94,17 @@ def test_legs_stretch_back_and_reach_ahead_the_more_the_longer_and_faster_they_f
     hind = slice(legs - 2, legs)
     # Hind legs: stretched back, then gathered below the body.
     behind = (1.0 - leap) * (steady[1] - hips)[hind, 0] - leap * 0.62 * length
-    np.testing.assert_allclose(rising[hind, 0], behind, atol=1e-9)
+    np.testing.assert_allclose(rising[hind, 0], behind, atol=4e-3)
     if leap == 1.0:
-        np.testing.assert_allclose(np.linalg.norm(rising[hind], axis=-1), 0.95 * length)
+        stretches = np.linalg.norm(rising[hind], axis=-1)
+        np.testing.assert_allclose(stretches, 0.95 * length, atol=4e-3)
         assert (falling[hind, 1] > rising[hind, 1]).all()
         assert (np.abs(falling[hind, 0]) < 0.2 * length).all()
     if legs == 4:
         # Forelegs: folded below the breast, then stretched ahead.
         assert leap < 1.0 or (rising[:2, 1] > rising[hind, 1]).all()
         ahead = (1.0 - leap) * (steady[2] - hips)[:2, 0] + leap * 0.46 * length
-        np.testing.assert_allclose(falling[:2, 0], ahead, atol=1e-9)
+        np.testing.assert_allclose(falling[:2, 0], ahead, atol=4e-3)
     if speed == 0.0:
         # On the spot feet are drawn straight up.
         np.testing.assert_allclose(swing.rising[:, 0], steady[1][:, 0], atol=1e-12)

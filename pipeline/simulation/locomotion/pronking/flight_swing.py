@@ -50,8 +50,11 @@ BACK_STRETCH, FORE_STRETCH = 0.95, 0.90
 FORE_TUCK, HIND_GATHER = -0.06, 0.14
 """How far ahead of their hips forefeet are drawn up, and hind feet come forward, in leg lengths."""
 
-HIND_GATHER_HEIGHT = 0.30
+HIND_GATHER_HEIGHT = 0.24
 """How high hind feet are while they come forward, in leg lengths."""
+
+SIDE_BY_SIDE = 0.35
+"""Distance along a leap up to which all feet are beside each other, in leg lengths."""
 
 VAULT_TRAIL = 0.30
 """How far all feet trail that are drawn up over a hurdle, in leg lengths."""
@@ -254,7 +257,7 @@ def flight_swing(
         for feet in (rising, falling):
             feet -= VAULT_TRAIL * length * share * pace * along
     else:
-        fore = _fore_shares(hopper.hips, along)[:, None]
+        fore = _fore_shares(hopper, along)[:, None]
         back = _stretched(hopper, start, low, -BACK_REACH * along, BACK_STRETCH)
         ahead = _stretched(hopper, landing_feet, low, FORE_REACH * along, FORE_STRETCH)
         tucked, gathered = rising.copy(), raised(HIND_GATHER_HEIGHT, KNOT_SHARES[2])
@@ -268,15 +271,15 @@ def flight_swing(
     return SwingPath(begins, times, start, rising, falling, landing_feet, trail)
 
 
-def _fore_shares(hips: Array, along: Array) -> Array:
+def _fore_shares(hopper: Hopper, along: Array) -> Array:
     """Return how far legs (n,) are forelegs, 1, rather than hind legs, 0, of a leap `along`.
 
     Legs beside each other are hind legs, as of a kangaroo.
     """
-    place = hips @ along
+    place = hopper.rest_feet @ along
     room = float(np.ptp(place))
-    if room < 1e-6:
-        return np.zeros(len(hips))
+    if room < SIDE_BY_SIDE * hopper.leg_length:
+        return np.zeros(len(place))
     return np.asarray((place - place.min()) / room)
 
 

@@ -65,7 +65,7 @@ CREATURES: dict[str, Row] = {
                            sheen=0.25, subsurface=1.0),
     "fur":            _row("#8a6542", "#6d4d31", 0.9,  ("fur", 0.32, 0.25), sheen=0.5),
     "brown fur":      _row("#4d3322", "#38251a", 0.85, ("fur", 0.32, 0.25), sheen=0.5),
-    "chestnut fur":   _row("#6e3a1c", "#562b14", 0.6, ("fur", 0.32, 0.10), sheen=0.3),
+    "chestnut fur":   _row("#6e3a1c", "#562b14", 0.7, ("fur", 0.16, 0.10), sheen=0.3),
     "sand fur":       _row("#b88d58", "#a1763f", 0.85, ("fur", 0.32, 0.25), sheen=0.5),
     "grey fur":       _row("#77716a", "#5e5a55", 0.85, ("fur", 0.32, 0.25), sheen=0.5),
     "black fur":      _row("#1d1917", "#2b2420", 0.7,  ("fur", 0.32, 0.25), sheen=0.4),

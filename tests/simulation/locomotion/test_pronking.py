@@ -11,9 +11,15 @@ import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import hop_phases, hop_simulation
-from pipeline.simulation.locomotion.pronking.hop_events import flight_swing, trip_on_wall
+from pipeline.simulation.locomotion.pronking.flight_swing import (
+    MAX_PITCH,
+    SWING_KNOTS,
+    flight_swing,
+)
+from pipeline.simulation.locomotion.pronking.hop_events import trip_on_wall
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.spec import find_scene, load_scene
 from tests.simulation.conftest import SHIPPED, scene_of
 from tests.simulation.locomotion.hop_recorder import HopRecording, hop_through
@@ -70,23 +76,81 @@ def test_saturated_phase_force_is_bounded_and_takes_longer():
 @pytest.mark.parametrize(
     ("time", "speed", "legs"), [(0.6, 3.0, 4), (0.1, 3.0, 4), (0.6, 0.0, 4), (0.6, 3.0, 2)]
 )
-def test_feet_trail_and_are_drawn_up_the_more_the_longer_they_fly(
+def test_legs_stretch_back_and_reach_ahead_the_more_the_longer_and_faster_they_fly(
     time: float, speed: float, legs: int
 ) -> None:
+    length = 0.8
     hips = np.array([[x, 0.0, z] for x in (0.5, -0.5) for z in (-0.1, 0.1)])[-legs:]
-    hopper = SimpleNamespace(hips=hips, folded_lengths=np.full(legs, 0.2), leg_length=0.8)
+    hopper = SimpleNamespace(
+        hips=hips, rest_feet=hips, folded_lengths=np.full(legs, 0.2), leg_length=length
+    )
     start, end = (hips + np.array([x, -0.75, 0.0]) for x in (-0.1, 0.1))
-    v = np.array([speed, 2.0, 0.0])
+    # A little askew, as on hills.
+    v = np.array([speed, 2.0, 0.01 * speed])
     swing = flight_swing(hopper, start, end, 0.0, time, v, False)  # type: ignore[arg-type]
-    long_flight = 1.0 if time > 0.5 else 0.2
-    off = swing.middle - 0.5 * (start + end)
-    trailing = 0.30 * (speed > 0.0) * (legs > 2)
-    np.testing.assert_allclose(off[:, 0], -trailing * 0.8 * long_flight, atol=1e-9)
-    np.testing.assert_allclose(off[:, 1], (0.42 if legs > 2 else 0.30) * 0.8 * long_flight)
-    fast = [np.diff([swing.tips(t) for t in np.linspace(0.0, time, 400)], axis=0)]
+    leap = (1.0 if time > 0.5 else 0.2) * (speed > 0.0)
+    steady = [start + share * (end - start) for share in SWING_KNOTS]
+    rising, falling = swing.rising - hips, swing.falling - hips
+    hind = slice(legs - 2, legs)
+    # Hind legs: stretched back, then gathered below the body.
+    behind = (1.0 - leap) * (steady[1] - hips)[hind, 0] - leap * 0.62 * length
+    np.testing.assert_allclose(rising[hind, 0], behind, atol=4e-3)
+    if leap == 1.0:
+        stretches = np.linalg.norm(rising[hind], axis=-1)
+        np.testing.assert_allclose(stretches, 0.95 * length, atol=4e-3)
+        assert (falling[hind, 1] > rising[hind, 1]).all()
+        assert (np.abs(falling[hind, 0]) < 0.2 * length).all()
+    if legs == 4:
+        # Forelegs: folded below the breast, then stretched ahead.
+        assert leap < 1.0 or (rising[:2, 1] > rising[hind, 1]).all()
+        ahead = (1.0 - leap) * (steady[2] - hips)[:2, 0] + leap * 0.46 * length
+        np.testing.assert_allclose(falling[:2, 0], ahead, atol=4e-3)
+    if speed == 0.0:
+        # On the spot feet are drawn straight up.
+        np.testing.assert_allclose(swing.rising[:, 0], steady[1][:, 0], atol=1e-12)
+        np.testing.assert_allclose(swing.rising[:, 1], start[:, 1] + 0.42 * length)
     if time == 0.1:
-        # Not torn along: twice the speed of the body at most.
-        assert np.linalg.norm(fast[0], axis=-1).max() / (time / 399) < 2.0 * speed
+        moves = np.diff([swing.tips(t) for t in np.linspace(0.0, time, 400)], axis=0)
+        # Not torn along.
+        assert np.linalg.norm(moves, axis=-1).max() / (time / 399) < 2.25 * speed
+
+
+def test_swinging_legs_pitch_a_body_by_their_momentum():
+    scene = scene_of("{figure: antelope, pronk: {distance: 1.8, height: 0.6}}", duration=3)
+    simulation = Simulation(scene)
+    troupe = next(t for t in simulation.troupes if isinstance(t, HopperTroupe))
+    (one,) = troupe.simulations
+    while one.state.phase != "flight":
+        simulation.step()
+    state, hopper = one.state, one.hopper
+    pitch, swing = state.pitch, state.swing
+    assert pitch.at(state.swing.begin[0])[0] == 0.0
+    assert pitch.at(pitch.begin + pitch.time)[0] == 0.0
+    up, down = pitch.angles[1:3]
+    # Up in front while hind legs trail, down while forelegs reach.
+    assert math.radians(3.0) < up < MAX_PITCH
+    assert -MAX_PITCH < down < math.radians(-1.0)
+    times = pitch.begin + np.array(SWING_KNOTS) * pitch.time
+    way = swing.end - swing.start
+    moved = [
+        float((hopper.leg_masses @ (swing.start + s * way - swing.tips(t)))[0])
+        for s, t in zip(SWING_KNOTS, times, strict=True)
+    ]
+    # Its sign is that of the way by which the feet are behind their steady way.
+    assert moved[1] > 0.0 > moved[2]
+    for t in (0.1, 0.4, 0.8):
+        now, step = pitch.begin + t * pitch.time, 1e-6
+        slope = (pitch.at(now + step)[0] - pitch.at(now - step)[0]) / (2.0 * step)
+        assert pitch.at(now)[1] == pytest.approx(slope, abs=1e-6)
+    turns = []
+    while one.state.phase == "flight":
+        turns.append(one.state.body(hopper).R[1, 0])
+        simulation.step()
+    # What is left of it at the landing goes on in the attitude.
+    assert one.state.pitch.angles == (0.0,) * 4
+    turns.append(one.state.body(hopper).R[1, 0])
+    assert max(turns) > math.sin(math.radians(3.0))
+    assert np.abs(np.diff(turns)).max() < 3.0 * simulation.world.clock.dt
 
 
 def test_leg_forces_add_up_within_their_bound():

@@ -19,7 +19,7 @@ FORWARD = np.array([1.0, 0.0, 0.0])
 Offset = tuple[float, float, float]
 """Ahead, up and outward, in the radius of the node."""
 
-LOIN_PLACE, LOIN_RISE, LOIN_BITE = 0.34, 0.10, 0.16
+LOIN_PLACE, LOIN_RISE, LOIN_BITE = 0.34, 0.10, 0.10
 """Where the hollow of the loin is: ahead of the hip, in the way to the shoulder; above the middle
 of the trunk, and how deep, in the radius of the hip."""
 
@@ -67,12 +67,13 @@ def shoulder_muscles(leg: Chain) -> Iterator[Lump]:
     )
 
 
-def haunch_muscles(leg: Chain, knee_girth: float) -> Iterator[Lump]:
+def haunch_muscles(leg: Chain, knee_girth: float, is_upright: bool = False) -> Iterator[Lump]:
     """Yield hip bone, croup, the muscles before and behind the thigh bone, and the calf.
 
     Args:
         leg: a hind leg of three links or more.
         knee_girth: mean of width and depth of its first joint, in the drawn radius.
+        is_upright: whether the trunk is, whose hip bones the belly hides.
     """
     hip, knee, r = leg.points[0], leg.points[1], float(leg.radii[0])
     r_k, span = knee_girth * float(leg.radii[1]), leg.spans[1]
@@ -84,7 +85,9 @@ def haunch_muscles(leg: Chain, knee_girth: float) -> Iterator[Lump]:
         (0.56 * r, 0.54 * r),
         1.4 * blend,
     )
-    yield ball(_at(hip, r, out, (0.86, 0.58, 0.34)), (0.24 * r, 0.20 * r, 0.24 * r), 1.5 * blend)
+    if not is_upright:
+        bone = 0.24 * r, 0.20 * r, 0.24 * r
+        yield ball(_at(hip, r, out, (0.86, 0.58, 0.34)), bone, 1.5 * blend)
     yield cone(
         _at(hip, r, out, (0.36, -0.10, 0.28)),
         _at(knee, r_k, out, (0.10, 0.10, 0.05)),

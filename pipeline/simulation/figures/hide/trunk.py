@@ -176,7 +176,7 @@ def haunch_lumps(stance: Stance, trunk: Sequence[Lump]) -> Iterator[Lump]:
         for leg in legs:
             girth = _knee_girth(figure, leg)
             if _is_hopper(figure, legs):
-                yield from haunch_muscles(leg, girth)
+                yield from haunch_muscles(leg, girth, is_upright=True)
             else:
                 yield from _thigh(leg, 0.8, girth)
         return

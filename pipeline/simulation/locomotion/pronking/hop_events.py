@@ -9,7 +9,6 @@ Source: Sims 1987, 9.4 and 11.1.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -17,32 +16,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import foot_materials
-from pipeline.simulation.locomotion.pronking.hop_state import BodyState, HopState, SwingPath
+from pipeline.simulation.locomotion.pronking.flight_swing import SwingPath
+from pipeline.simulation.locomotion.pronking.hop_state import BodyState, HopState
 from pipeline.simulation.locomotion.pronking.hopper import STANCE_STRETCH, Hopper
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
-from pipeline.simulation.scalar_rotation import rotation_matrix, vector_tuple
+from pipeline.simulation.scalar_rotation import vector_tuple
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Contact, ContactKind, TakeNote
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import World
-
-TUCK_HEIGHT, BIPED_TUCK_HEIGHT = 0.42, 0.30
-"""How high feet are drawn up in mid-flight, in leg lengths, of creatures with over two legs, and
-of bipeds."""
-
-FULL_TUCK_TIME = 0.5
-"""Duration of a flight from which on feet are drawn up and thrown back fully [s]."""
-
-TRAIL_DISTANCE, TRAIL_FROUDE = 0.30, 0.8
-"""By how much feet trail in mid-flight, in leg lengths, and the speed from which they do so fully,
-in √(g l): in a leap legs are thrown back, and thighs do not come up through the flanks. Those of
-bipeds swing ahead at once."""
-
-TRAIL_SPEED = 0.35
-"""Speed with which feet trail after a lift-off, in body speeds."""
 
 WALL_HEIGHT = 0.06
 """Sudden lift of a foot that counts as hitting a wall, in leg lengths."""
@@ -117,44 +101,6 @@ HopEvents = list[HopEvent]
 # --- feet ---------------------------------------------------------------------------
 
 
-def flight_swing(
-    hopper: Hopper,
-    start: Array,
-    landing_feet: Array,
-    begin: float,
-    time: float,
-    v: Array,
-    fold_legs: bool,
-) -> SwingPath:
-    """Return the paths of feet from lift-off to landing.
-
-    Args:
-        hopper: the creature.
-        start: (n, 3) feet at lift-off, in the frame of the body [m].
-        landing_feet: (n, 3) feet at the landing, in the frame of the body [m].
-        begin: time of lift-off [s].
-        time: duration of the flight [s].
-        v: (3,) velocity of the body, in its frame [m/s].
-        fold_legs: whether feet are drawn up as far as the legs fold.
-    """
-    n = len(start)
-    middle = 0.5 * (start + landing_feet)
-    low, highest = (
-        np.maximum(start[:, 1], landing_feet[:, 1]),
-        hopper.hips[:, 1] - 1.15 * hopper.folded_lengths,
-    )
-    # Short flights leave no time for it.
-    share = min(1.0, time / FULL_TUCK_TIME)
-    tuck, trailing = (TUCK_HEIGHT, TRAIL_DISTANCE) if n > 2 else (BIPED_TUCK_HEIGHT, 0.0)
-    top = highest if fold_legs else np.minimum(low + tuck * hopper.leg_length * share, highest)
-    middle[:, 1] = np.maximum(top, low)
-    ahead = np.array([v[0], 0.0, v[2]]) / (TRAIL_FROUDE * math.sqrt(GRAVITY * hopper.leg_length))
-    ahead /= max(float(np.linalg.norm(ahead)), 1.0)
-    middle -= trailing * hopper.leg_length * share * ahead
-    trail = np.tile([-TRAIL_SPEED * v[0], 0.0, -TRAIL_SPEED * v[2]], (n, 1))
-    return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, landing_feet, trail)
-
-
 def touch(
     hopper: Hopper,
     ground: Ground,
@@ -176,7 +122,7 @@ def touch(
     now, own = state.body(hopper), state.swing.tips(state.time)
     tips = now.to_world(own)
     moves = now.R @ ((own - state.swing.tips(state.time - 1e-5)) / 1e-5).T
-    v = state.v + np.cross(state.attitude[1], tips - state.p) + moves.T
+    v = state.v + np.cross(now.rate, tips - state.p) + moves.T
     if not state.down.any():
         state.first_touch_height = float(state.p[1])
     caught, floors = (
@@ -205,7 +151,7 @@ def trip_on_wall(
     hopper: Hopper, state: HopState, legs: NDArray[np.int64], tips: Array, events: HopEvents
 ) -> None:
     """Trip on a wall with feet (n, 3) that move with the body."""
-    v = state.v + np.cross(state.attitude[1], tips - state.p)
+    v = state.v + np.cross(state.body(hopper).rate, tips - state.p)
     _catch_feet(hopper, state, legs, tips, v, events)
 
 
@@ -231,7 +177,7 @@ def swing_from_wall(
     velocity = moved * [-WALL_BOUNCE, 1.0, -WALL_BOUNCE]
     velocity[:, 1] = np.maximum(velocity[:, 1], 0.0)
     arm = start - now.p
-    seen = velocity - now.v - np.cross(now.attitude[1], arm)
+    seen = velocity - now.v - np.cross(now.rate, arm)
     left = max(float((swing.begin + swing.time)[caught].min()) - now.time, LEAST_SWING)
     own = (start - now.origin) @ now.R
     return swing.restarted(caught, now.time, own, left, (swing.middle, seen @ now.R))
@@ -253,7 +199,7 @@ def _catch_feet(
 
     Source: Sims 1987, 9.4; Baraff and Witkin 1997, rigid body dynamics, (8.18).
     """
-    R = rotation_matrix(state.attitude[0])
+    R = state.body(hopper).R
     inverse = R @ np.array(hopper.inertia.inverse) @ R.T
     # Columns: what unit impulses along x and z do to momentum and angular momentum.
     unit = np.broadcast_to(np.eye(3)[[0, 2]], (len(legs), 2, 3))

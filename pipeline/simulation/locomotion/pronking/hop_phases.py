@@ -15,11 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents, flight_swing
+from pipeline.simulation.locomotion.pronking.flight_swing import (
+    SwingPath,
+    flight_swing,
+    trunk_pitch,
+)
+from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents
 from pipeline.simulation.locomotion.pronking.hop_state import (
     FREE_FALL,
     HopState,
-    SwingPath,
     available_force,
     floor_height,
     leaning_attitude,
@@ -98,9 +102,11 @@ def take_off(hopper: Hopper, ground: Ground, state: HopState, events: HopEvents)
     time = max(state.flight_time, 0.1)
     planned = state.queue.planned
     folds = planned is not None and planned.fold_legs
+    own_velocity = now.R.T @ state.v
     state.swing = flight_swing(
-        hopper, start, state.landing_feet, state.time, time, now.R.T @ state.v, folds
+        hopper, start, state.landing_feet, state.time, time, own_velocity, folds
     )
+    state.pitch = trunk_pitch(hopper, state.swing, own_velocity)
     state.lift_off = state.p.copy(), state.v.copy()
     state.phase, state.a, state.phase_end, state.control = "flight", FREE_FALL, math.inf, NO_CONTROL
     state.down[:] = state.released[:] = False
@@ -119,6 +125,7 @@ def take_off(hopper: Hopper, ground: Ground, state: HopState, events: HopEvents)
 
 def begin_landing(hopper: Hopper, ground: Ground, state: HopState, events: HopEvents) -> None:
     """Start absorbing the fall with the legs that touch."""
+    state.settle_pitch()
     state.phase = "landing"
     state.floor_height = floor_height(hopper, state)
     height = level_height(hopper, state.p) - state.floor_height
@@ -326,6 +333,7 @@ def wake_if_jumping(hopper: Hopper, state: HopState) -> None:
 
 def begin_fall(state: HopState, feet: Array) -> None:
     """Fall as one rigid body with feet (n, 3) fixed in its frame [m]."""
+    state.settle_pitch()
     state.phase, state.phase_end, state.control = "fallen", math.inf, NO_CONTROL
     state.down[:] = False
     state.swing = SwingPath.still(feet)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.pronking.flight_swing import NO_PITCH, SwingPath, TrunkPitch
 from pipeline.simulation.locomotion.pronking.hopper import STANCE_STRETCH, Hopper
 from pipeline.simulation.locomotion.pronking.jump_parameters import Jump
 from pipeline.simulation.locomotion.pronking.leg_forces import (
@@ -23,6 +24,7 @@ from pipeline.simulation.locomotion.pronking.leg_forces import (
 )
 from pipeline.simulation.scalar_rotation import (
     Quaternion,
+    Vector,
     from_rotation_vector,
     quaternion_product,
     rotation_matrix,
@@ -45,9 +47,6 @@ FREE_FALL = np.array([0.0, -GRAVITY, 0.0])
 LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
 """How much of the ground's slope a body leans with, as a fraction, and at most [rad]."""
 
-APEX_FRACTION = 0.46
-"""Time of the middle point, as a fraction of the flight."""
-
 
 @dataclass(eq=False)
 class HopState:
@@ -59,7 +58,7 @@ class HopState:
         p: (3,) centre of mass [m].
         v: (3,) its velocity [m/s].
         a: (3,) its acceleration, constant within a phase [m/s²].
-        attitude: quaternion and angular velocity.
+        attitude: quaternion and angular velocity, without `pitch`.
         control: forces and goals that turn the body.
         phase_end: time at which the phase ends if no event ends it before [s].
         tips: (n, 3) feet that are down [m].
@@ -79,6 +78,7 @@ class HopState:
         flight_time: of the jump that it pushes off for [s].
         landing_feet: (n, 3) feet as held for the landing, in the frame of the body [m].
         lift_off: (p, v) of the last lift-off.
+        pitch: how its legs turn it in flight.
     """
 
     phase: Phase
@@ -106,6 +106,7 @@ class HopState:
     flight_time: float = 0.5
     landing_feet: Array = field(default_factory=lambda: np.zeros((0, 3)))
     lift_off: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
+    pitch: TrunkPitch = NO_PITCH
 
     def predict(self, h: float, hopper: Hopper) -> BodyState:
         """Return the body a time `h` later, if the phase lasts that long [s]."""
@@ -116,6 +117,7 @@ class HopState:
             self.v + h * self.a,
             turning,
             hopper,
+            self.pitch,
         )
 
     def shifted(self, offset: Array) -> HopState:
@@ -129,23 +131,36 @@ class HopState:
 
     def body(self, hopper: Hopper) -> BodyState:
         """Return the body now."""
-        return BodyState(self.time, self.p, self.v, self.attitude, hopper)
+        return BodyState(self.time, self.p, self.v, self.attitude, hopper, self.pitch)
+
+    def settle_pitch(self) -> None:
+        """Make the pitch of a flight part of the attitude, which legs on the ground control."""
+        self.attitude, self.pitch = self.pitch.turned(self.attitude, self.time), NO_PITCH
 
 
 @dataclass(eq=False)
 class BodyState:
-    """A body at one time; see `HopState`."""
+    """A body at one time; see `HopState`.
+
+    Attributes:
+        R: (3, 3) its orientation, `pitch` included.
+        origin: (3,) of its frame [m].
+        rate: (3,) angular velocity, `pitch` included [rad/s].
+    """
 
     time: float
     p: Array
     v: Array
     attitude: AttitudeState
     hopper: Hopper
+    pitch: TrunkPitch
     R: Array = field(init=False)
     origin: Array = field(init=False)
+    rate: Vector = field(init=False)
 
     def __post_init__(self) -> None:
-        self.R = rotation_matrix(self.attitude[0])
+        q, self.rate = self.pitch.turned(self.attitude, self.time)
+        self.R = rotation_matrix(q)
         self.origin = self.p - self.R @ self.hopper.mass.centre
 
     def to_world(self, points: Array) -> Array:
@@ -195,84 +210,6 @@ def leaning_attitude(
         from_rotation_vector((-k * roll, 0.0, k * pitch)),
     )
     return q
-
-
-@dataclass(frozen=True, eq=False)
-class SwingPath:
-    """Paths of n feet in the air, relative to the body.
-
-    Each has three points: where the foot left the ground, a middle one above both others and behind
-    the middle between them, so that the leg folds and trails while the body rises, and the foot
-    stretched forward for the landing.
-
-    Attributes:
-        begin: (n,) start times [s].
-        time: (n,) durations [s].
-        start, middle, end: (n, 3) in the frame of the body [m].
-        trail: (n, 3) initial velocities [m/s].
-    """
-
-    begin: Array
-    time: Array
-    start: Array
-    middle: Array
-    end: Array
-    trail: Array
-
-    @staticmethod
-    def still(feet: Array) -> SwingPath:
-        """Return paths of feet (n, 3) at rest."""
-        n, zero = len(feet), np.zeros_like(feet)
-        return SwingPath(np.zeros(n), np.ones(n), feet, feet, feet, zero)
-
-    def tips(self, time: float) -> Array:
-        """Return the feet (n, 3) in the frame of the body [m]."""
-        s = np.minimum(np.maximum((time - self.begin) / self.time, 0.0), 1.0)[:, None]
-        late = s > APEX_FRACTION
-        span = np.where(late, 1.0 - APEX_FRACTION, APEX_FRACTION)
-        u = np.where(late, s - APEX_FRACTION, s) / span
-        a, b = np.where(late, self.middle, self.start), np.where(late, self.end, self.middle)
-        through = self.end - self.start
-        through[:, 1] = 0.0
-        reach = self.time[:, None] * span
-        m_a = np.where(late, span * through, reach * self.trail)
-        m_b = np.where(late, 0.0, span * through)
-        return _hermite(u, a, b, m_a, m_b)
-
-    def restarted(
-        self,
-        restarting: NDArray[np.bool_],
-        time: float,
-        start: Array,
-        duration: float,
-        way: tuple[Array, Array] | None = None,
-    ) -> SwingPath:
-        """Return paths in which some feet start again.
-
-        Args:
-            restarting: (n,) these feet.
-            time: at which they do [s].
-            start: (n, 3) where, in the frame of the body [m].
-            duration: of their way to their ends [s].
-            way: middle points (n, 3) [m] and initial velocities (n, 3) [m/s]; None for straight on,
-                from rest.
-        """
-        mask = restarting[:, None]
-        middle, trail = way or (0.5 * (start + self.end), np.zeros_like(start))
-        return replace(
-            self,
-            begin=np.where(restarting, time, self.begin),
-            time=np.where(restarting, duration, self.time),
-            start=np.where(mask, start, self.start),
-            middle=np.where(mask, middle, self.middle),
-            trail=np.where(mask, trail, self.trail),
-        )
-
-
-def _hermite(u: Array, a: Array, b: Array, m_a: Array, m_b: Array) -> Array:
-    """Return the cubic from a to b with slopes m_a and m_b."""
-    v = 1.0 - u
-    return v * v * ((1.0 + 2.0 * u) * a + u * m_a) + u * u * ((1.0 + 2.0 * v) * b - v * m_b)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.hop_events import flight_swing
+from pipeline.simulation.locomotion.pronking.flight_swing import flight_swing, trunk_pitch
 from pipeline.simulation.locomotion.pronking.hop_state import HopState, PlannedJump, available_force
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.jump_planner import (
@@ -23,7 +23,7 @@ from pipeline.simulation.locomotion.pronking.jump_planner import (
     lift_off_point,
     plan_requested_jump,
 )
-from pipeline.simulation.locomotion.pronking.leg_forces import phase_force
+from pipeline.simulation.locomotion.pronking.leg_forces import ZERO_VECTOR, phase_force
 from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.scalar_rotation import rotation_matrix, vector_tuple
 from pipeline.simulation.spatial import Array
@@ -235,26 +235,31 @@ def _clearance(
     start, lift_off_origin = now.origin, p1 - R @ hopper.mass.centre
     moments = np.linspace(0.0, 1.0, VAULT_SEARCH.phase_samples)
     t = moments[:, None] * plan.flight_time
-    flight = lift_off_origin + t * plan.velocity
-    flight[:, 1] -= 0.5 * GRAVITY * t[:, 0] ** 2
+    centres = p1 + t * plan.velocity
+    centres[:, 1] -= 0.5 * GRAVITY * t[:, 0] ** 2
     landing_velocity = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
-    # The constant accelerations of push and landing start and end at rest.
-    push_origins = start + moments[:, None] ** 2 * (lift_off_origin - start)
-    landing_travel = _landing_time(hopper, plan, landing_velocity) * landing_velocity
-    landing_origins = flight[-1] + (2.0 * moments - moments**2)[:, None] * 0.5 * landing_travel
-    origins = np.concatenate([push_origins, flight, landing_origins])
     planted_feet = np.where(state.down[:, None], state.tips, now.to_world(hopper.rest_feet))
+    own_velocity = plan.velocity @ R
     swing = flight_swing(
         hopper,
         (planted_feet - lift_off_origin) @ R,
         plan.landing_feet,
         0.0,
         plan.flight_time,
-        plan.velocity @ R,
+        own_velocity,
         True,
     )
+    pitch, level = trunk_pitch(hopper, swing, own_velocity), (plan.attitude, ZERO_VECTOR)
+    R_air = np.array([rotation_matrix(pitch.turned(level, float(time))[0]) for time in t[:, 0]])
+    flight = centres - R_air @ hopper.mass.centre
+    # The constant accelerations of push and landing start and end at rest.
+    push_origins = start + moments[:, None] ** 2 * (lift_off_origin - start)
+    landing_travel = _landing_time(hopper, plan, landing_velocity) * landing_velocity
+    landed = centres[-1] - R @ hopper.mass.centre
+    landing_origins = landed + (2.0 * moments - moments**2)[:, None] * 0.5 * landing_travel
+    origins = np.concatenate([push_origins, flight, landing_origins])
     air_feet = np.array([swing.tips(float(time)) for time in t[:, 0]])
-    landed_feet = flight[-1] + plan.landing_feet @ R.T
+    landed_feet = landed + plan.landing_feet @ R.T
     feet = np.concatenate(
         [
             (planted_feet - push_origins[:, None]) @ R,
@@ -263,8 +268,11 @@ def _clearance(
         ],
         axis=0,
     )
+    steady = np.broadcast_to(R, R_air.shape)
     body = np.broadcast_to(hopper.outline.body, (len(feet), *hopper.outline.body.shape))
-    points = origins[:, None] + np.concatenate([body, hopper.outline.legs(feet)], axis=1) @ R.T
+    points = np.concatenate([body, hopper.outline.legs(feet)], axis=1)
+    points = points @ np.concatenate([steady, R_air, steady]).transpose(0, 2, 1)
+    points += origins[:, None]
     along = ((points - start)[..., [0, 2]] * heading_vector(heading)).sum(axis=-1)
     return float(hurdle.spare(along, points[..., 1], CLEARANCE * hopper.leg_length).min())
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.simulation.locomotion.pronking.flight_swing import SwingPath
 from pipeline.simulation.locomotion.pronking.hop_events import body_clearance
 from pipeline.simulation.locomotion.pronking.hop_state import (
     FREE_FALL,
     HopState,
     JumpQueue,
-    SwingPath,
     floor_height,
     is_overloaded,
     leaning_attitude,

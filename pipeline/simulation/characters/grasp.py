@@ -70,7 +70,7 @@ def grasp_failure(
         text, widest, heaviest = "a hand", HAND_SPAN * person.height, ONE_HAND_MASS * own
     width, mass = width_of(state), share * mass_of(controller, name)
     if share == 1.0 and width > widest:
-        return f"wider than {text} ({_more_than(width, widest, 2)} m)"
+        return f"wider than {text} ({_more_than(width, widest, 3)} m)"
     if mass > heaviest:
         return f"too heavy for {text} ({_more_than(mass, heaviest, 1)} kg)"
     return ""

@@ -198,7 +198,7 @@ def test_a_child_chases_a_creature_until_it_touches_it() -> None:
 @pytest.mark.nightly
 def test_impossible_orders_are_given_up_with_a_reason() -> None:
     heavy, empty, high = course().reasons["ada"]
-    assert heavy == "too heavy for both hands (40.6 of at most 34.0 kg)"
+    assert heavy == "too heavy for both hands (40.7 of at most 34.0 kg)"
     assert empty == "does not hold 'rock'"
     assert high.startswith("too high: 1.50 m, sits at 0.2")
     assert "m out of reach at [-6.00, 4.00]" in course().reasons["eve"][0]

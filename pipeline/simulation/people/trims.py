@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -87,15 +87,17 @@ def _band(
     outline: Array,
     edges: tuple[float, float],
     worn: float,
+    frame: str,
     z: float = 0.0,
-) -> Hollow:
-    """Return a band around a stack of ovals, hollow below.
+) -> SkinnedPatch:
+    """Return a band around a stack of ovals, dark inside and where it lies on cloth.
 
     Args:
         build: measures of the person.
         outline: (n, 5) of `BodyMeasures.outline` [m].
         edges: heights of its edges, as fractions of an adult's height.
         worn: distance of its outside from the outline, in girths.
+        frame: that it follows.
         z: of the middle of the limb [m].
     """
     g = build.girth
@@ -111,24 +113,7 @@ def _band(
         middle, *reach = (np.interp(y, outline[:, 0], outline[:, k]) for k in range(1, 5))
         ahead, behind, aside = (float(r) + out * g for r in reach)
         rings.append(_ring(float(middle), (ahead, behind, aside), y, z))
-    return Hollow(_closed(rings), _ring_shade(BAND_SHADES))
-
-
-@dataclass(frozen=True)
-class Hollow:
-    """A band that is dark inside and where it lies on cloth.
-
-    Attributes:
-        surface: of the band.
-        shade: (V,) of its vertices.
-    """
-
-    surface: Surface
-    shade: Array
-
-    def follow(self, frame: str) -> SkinnedPatch:
-        """Return the band as a patch that follows one frame."""
-        return replace(self.surface.follow(frame), shade=self.shade)
+    return replace(_closed(rings).follow(frame), shade=_ring_shade(BAND_SHADES))
 
 
 def _ring_shade(shades: Sequence[float]) -> Array:
@@ -154,31 +139,32 @@ def cuffs(build: BodyMeasures, sleeve: Sleeve) -> SkinnedPatch:
     """Return the cuffs of both sleeves, or the edges of those without."""
     edges = CUFFS[sleeve]
     worn = CUFF_WORN + float(sleeve_air(build, sleeve, np.array([build.level(edges[0])]))[0])
-    band = _band(build, build.outline(ARM), edges, worn, build.shoulders)
-    if sleeve == "short":
-        return with_mirror(on_twisted_arm(build, band.follow("upper_arm_r")))
-    return with_mirror(band.follow("forearm_r"))
+    frame = "upper_arm_r" if sleeve == "short" else "forearm_r"
+    band = _band(build, build.outline(ARM), edges, worn, frame, build.shoulders)
+    return with_mirror(on_twisted_arm(build, band) if sleeve == "short" else band)
 
 
 @cached_part
 def shirt_cuffs(build: BodyMeasures) -> SkinnedPatch:
     """Return the cuffs of a shirt below the sleeves of a jacket."""
-    band = _band(build, build.outline(ARM), SHIRT_CUFF, SLEEVE_THICKNESS, build.shoulders)
-    return with_mirror(band.follow("forearm_r"))
+    outline = build.outline(ARM)
+    return with_mirror(
+        _band(build, outline, SHIRT_CUFF, SLEEVE_THICKNESS, "forearm_r", build.shoulders)
+    )
 
 
 @cached_part
 def belt(build: BodyMeasures) -> SkinnedPatch:
     """Return a belt around a tucked shirt."""
     outline = build.outline(TORSO, torso_breadths(build))
-    return _band(build, outline, BELT, BELT_WORN).follow("pelvis")
+    return _band(build, outline, BELT, BELT_WORN, "pelvis")
 
 
 @cached_part
 def waistband(build: BodyMeasures) -> SkinnedPatch:
     """Return the band of the trousers of dungarees."""
     outline = build.outline(TORSO, torso_breadths(build))
-    return _band(build, outline, WAISTBAND, BELT_WORN).follow("pelvis")
+    return _band(build, outline, WAISTBAND, BELT_WORN, "pelvis")
 
 
 @cached_part

@@ -24,6 +24,9 @@ PIPE_EXPONENT = 2.25
 
 MAX_ROUNDS = 90
 
+FLARE = 2.0
+"""Radius of the foot of a trunk relative to the trunk just above it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
@@ -145,7 +148,7 @@ def add_bark(
     wide = np.where(goes_on, skeleton.radii[above], 1.2 * skeleton.radii[shown])
     # The foot of a trunk spreads.
     is_foot = skeleton.parents[above] < 0
-    wide = np.where(is_foot, 1.5 * wide, wide)
+    wide = np.where(is_foot, FLARE * wide, wide)
     # Bark changes by degrees: a tube of one colour is seen as a ring.
     tones = np.stack([colors[above], colors[shown]], axis=1)
     low, high = skeleton.nodes[above], skeleton.nodes[shown]

@@ -20,7 +20,7 @@ RIDGES = 8
 DEPTH, DARK = 0.13, 0.62
 """Depth of furrows relative to the radius, and by how much they are darker."""
 
-BUTTRESS, BUTTRESS_HEIGHT = 0.5, 0.22
+BUTTRESS, BUTTRESS_HEIGHT = 0.85, 0.34
 """How far roots stand out of the foot of a trunk relative to its radius, and up to where [m]."""
 
 

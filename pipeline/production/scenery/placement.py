@@ -261,8 +261,9 @@ class Placement:
         rank = share / np.maximum(here, 1e-12)
         kept = rank < 1.0
         if species.layer == "cover":
-            kept[kept] &= self._is_in_frame(species, wanted, points[kept])
-        kept[kept] &= self._is_free(species, wanted, points[kept])
+            kept[kept] &= self.is_seen_and_free(wanted, points[kept])
+        else:
+            kept[kept] &= self._is_free(species, wanted, points[kept])
         if wanted.where != "shore":
             # Stones of a shore hide its edge.
             kept[kept] &= self._lies_level(species, wanted, points[kept], ground.normals[kept])
@@ -317,6 +318,13 @@ class Placement:
             plane = points[:, 1] - radius * (normals[:, 0] * i + normals[:, 2] * j) / normals[:, 1]
             level &= np.abs(self.ground.height(x, z) - plane) < most
         return level
+
+    def is_seen_and_free(self, wanted: Wanted, points: Array) -> NDArray[np.bool_]:
+        """Return which places (N, 3) of cover a frame shows, clear of performers."""
+        species = KINDS[wanted.name]
+        kept = self._is_in_frame(species, wanted, points)
+        kept[kept] &= self._is_free(species, wanted, points[kept])
+        return kept
 
     def _is_in_frame(self, species: Species, wanted: Wanted, points: Array) -> NDArray[np.bool_]:
         """Return which cover a frame shows; most of what is near, and costs most, is below it."""

@@ -16,6 +16,7 @@ from pipeline.production.scenery.placement import Placed, Placement
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.species import KINDS
 from pipeline.production.scenery.treads import Treads
+from pipeline.production.scenery.tree_feet import at_feet
 from pipeline.production.scenery.trodden_cover import TroddenCover, split_trodden
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
@@ -103,11 +104,13 @@ def placed_scenery(
     placement = Placement(ground, view, clearings, growth.seed, growth, detail)
     fitted = [_off(placement.placed(one), plots) for one in scatter.fitted]
     asked = [_off(placement.placed(one), plots) for one in scatter.asked]
+    trees = [placed for placed in (*fitted, *asked) if KINDS[placed.name].layer == "tree"]
+    feet = [_off(placed, plots) for placed in at_feet(placement, trees, scatter.wanted)]
     most = round(scatter.factor * budget(detail, view.path_length))
     # What stands along a floor takes the place of some of the cover around it.
     along = sum(int(triangle_counts(placed, detail).sum()) for placed in also)
     rest = max(most - along, round(LEAST_REST * most))
-    every = [*thinned(fitted, rest, detail), *asked, *also]
+    every = [*thinned([*fitted, *feet], rest, detail), *asked, *also]
     _check_size(every, detail)
     return every
 

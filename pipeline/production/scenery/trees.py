@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.production.scenery.birch_bark import add_marks, bark_colors
 from pipeline.production.scenery.branches import Skeleton, add_bark, grown
@@ -171,6 +172,9 @@ INNER = (1.0, 1.3, 1.5, 1.6)
 """Length of leaves in the middle of a crown relative to those at its outside, by level: they are
 seen as the ground of the others alone, and shut the gaps through which the sky would be seen."""
 
+MASS = 0.65
+"""Share of a lobe of the crown, and not of the whole, in the way its leaves face the light."""
+
 CALM = (1.0, 0.8, 0.45, 0.15)
 """Share of the differences between single leaves by level: far ones are smaller than a pixel, where
 what is left of them is noise."""
@@ -183,8 +187,41 @@ def habit(kind: str, seed: int) -> Crown:
     return replace(CROWNS[kind], **varied[(seed // 101) % len(varied)])  # type: ignore[arg-type]
 
 
-def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
-    """Return about `count` points (N, 3) in the lobes of a crown [m].
+@dataclass(frozen=True, eq=False)
+class Lobes:
+    """The lobes of a crown: each bough carries a mass of leaves of its own.
+
+    Attributes:
+        middles: (L, 3) [m].
+        radii: (L,) [m].
+    """
+
+    middles: Array
+    radii: Array
+
+    @staticmethod
+    def around(points: Array, chosen: NDArray[np.int64]) -> Lobes:
+        """Return the lobes of points (N, 3) that belong to the ones of their numbers (N,)."""
+        groups = [points[chosen == k] for k in np.unique(chosen)]
+        middles = np.array([group.mean(axis=0) for group in groups])
+        # Points that fill a sphere lie at 0.77 of its radius, in the root mean square.
+        spread = [
+            np.sqrt(((group - middle) ** 2).sum(axis=1).mean()) / 0.77
+            for group, middle in zip(groups, middles, strict=True)
+        ]
+        return Lobes(middles, np.maximum(spread, 1e-3))
+
+    def out(self, places: Array) -> Array:
+        """Return vectors (N, 3) from the nearest lobe to places (N, 3), relative to its radius."""
+        apart = (places[:, None] - self.middles) / self.radii[:, None]
+        nearest = np.linalg.norm(apart, axis=-1).argmin(axis=1)
+        return np.asarray(apart[np.arange(len(places)), nearest])
+
+
+def _envelope(
+    config: Crown, rng: np.random.Generator, count: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return about `count` points (N, 3) in the lobes of a crown [m], and numbers (N,) of these.
 
     Each bough carries a lobe of its own, larger or smaller and nearer to the trunk or farther out
     than the next; the sky is seen between them.
@@ -223,15 +260,16 @@ def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
     crown = np.column_stack(
         [half * flat_places[:, 0], low + (high - low) * y, half * flat_places[:, 1]]
     )
-    return np.asarray(crown[crown[:, 1] > low + 0.03][:count])
+    some = np.flatnonzero(crown[:, 1] > low + 0.03)[:count]
+    return crown[some], chosen[some]
 
 
 @lru_cache(maxsize=64)
-def crown_skeleton(kind: str, seed: int) -> Skeleton:
-    """Return the skeleton of a broad-leaved tree or shrub."""
+def crown_skeleton(kind: str, seed: int) -> tuple[Skeleton, Lobes]:
+    """Return the skeleton of a broad-leaved tree or shrub, and the lobes of its crown."""
     config = habit(kind, seed)
     rng = np.random.default_rng([seed, 71])
-    attractors = _envelope(config, rng, config.attractors)
+    attractors, chosen = _envelope(config, rng, config.attractors)
     top = config.trunk * config.height
     stems = []
     for k in range(config.stems):
@@ -246,7 +284,12 @@ def crown_skeleton(kind: str, seed: int) -> Skeleton:
         sway = 0.04 * config.height * np.sin(2.5 * t + rng.uniform(0, 6)) * rng.normal(size=3)
         stems.append(end * t + sway * t * (1 - t) * [1, 0, 1] - 0.05 * (1 - t) * UP)
     skeleton = grown(stems, attractors, config.step, config.foot, sag=config.sag)
-    return _leaning(skeleton, config, rng.uniform(0.0, 2.0 * np.pi)) if config.lean else skeleton
+    lobes = Lobes.around(attractors, chosen)
+    if not config.lean:
+        return skeleton, lobes
+    turn = rng.uniform(0.0, 2.0 * np.pi)
+    moved = lobes.middles + _lean(config, lobes.middles[:, 1], turn)
+    return _leaning(skeleton, config, turn), replace(lobes, middles=moved)
 
 
 def _lean(config: Crown, height: Array, turn: float) -> Array:
@@ -266,7 +309,7 @@ def _leaning(skeleton: Skeleton, config: Crown, turn: float) -> Skeleton:
 
 def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     """Return a broad-leaved tree or shrub at a level of detail."""
-    config, skeleton = habit(kind, seed), crown_skeleton(kind, seed)
+    config, (skeleton, lobes) = habit(kind, seed), crown_skeleton(kind, seed)
     share, long, sides, triangles = LEVELS[level]
     rng = np.random.default_rng([seed, 73, level])
     shape = Shape()
@@ -307,7 +350,12 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
         wide = np.full(shoots, 0.022 * config.leaf)
         add_tubes(shape, foot, ends, 1.6 * wide, wide, np.tile(wood, (shoots, 1)), 3)
     base, axis, face = _sprays(rng, foot, way, length, each)
-    lit = np.clip((depth - 0.25) / 0.75, 0.0, 1.0) * (0.75 + 0.25 * unit(out)[:, 1])
+    # A lobe is shaded as a mass: light on its top, dark where it rests on the next one.
+    lobe = lobes.out(foot)
+    mass = unit((1.0 - MASS) * unit(out) + MASS * lobe)
+    deep = np.clip((np.linalg.norm(lobe, axis=-1) - 0.25) / 0.75, 0.0, 1.0)
+    lit = np.clip((depth - 0.25) / 0.75, 0.0, 1.0) * (0.3 + 0.7 * deep)
+    lit = lit * (0.75 + 0.25 * mass[:, 1])
     color = np.asarray(config.color) + lit[:, None] * (
         np.asarray(config.young) - np.asarray(config.color)
     )
@@ -316,9 +364,7 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     color = np.repeat(color, each, axis=0)
     color = color * (1.0 + CALM[level] * rng.uniform(-0.16, 0.16, (len(color), 1)))
     size = np.repeat(leaf, each) * rng.uniform(0.72, 1.12, len(base))
-    normals = unit(
-        0.9 * np.repeat(unit(out), each, axis=0) + 0.6 * CALM[level] * unit(face) + 0.25 * UP
-    )
+    normals = unit(0.9 * np.repeat(mass, each, axis=0) + 0.6 * CALM[level] * unit(face) + 0.25 * UP)
     wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0) * size
     add_leaves(shape, base, axis, face, size, wide, color, normals, triangles=triangles)
     return shape.prototype()

@@ -24,14 +24,14 @@ def test_variants_of_a_species_have_habits_of_their_own(kind: str) -> None:
 def test_a_leaning_tree_stands_on_its_foot() -> None:
     kind, seed = "acacia", 3 * 101 + 7
     assert habit(kind, seed).lean > 0.1
-    nodes = crown_skeleton(kind, seed).nodes
+    nodes = crown_skeleton(kind, seed)[0].nodes
     assert np.hypot(*nodes[0, [0, 2]]) < 0.05
     top = nodes[nodes[:, 1] > 0.8 * nodes[:, 1].max()]
     assert np.hypot(*top[:, [0, 2]].mean(axis=0)) > 0.3
 
 
 def test_birch_bark_is_white_above_its_foot_and_no_mark_goes_round() -> None:
-    skeleton, config = crown_skeleton("birch", 7), CROWNS["birch"]
+    (skeleton, _), config = crown_skeleton("birch", 7), CROWNS["birch"]
     color = bark_colors(skeleton, config.foot, config.bark, np.random.default_rng(1))
     light = color.mean(axis=1)
     trunk = (skeleton.radii > 0.5 * config.foot) & (skeleton.nodes[:, 1] > 1.2)
@@ -57,7 +57,7 @@ def test_a_far_tree_is_a_clump_of_smaller_ones() -> None:
 
 
 def test_near_trunks_have_furrows_and_pieces_that_meet() -> None:
-    skeleton = crown_skeleton("oak", 7)
+    skeleton, _ = crown_skeleton("oak", 7)
     shape = Shape()
     colors = np.ones((len(skeleton.nodes), 3))
     add_bark(shape, skeleton, colors, 0.9 * skeleton.radii.max(), 7, 0.0)
@@ -73,3 +73,18 @@ def test_near_trunks_have_furrows_and_pieces_that_meet() -> None:
     above = np.abs(ends.mean(axis=1) - starts.mean(axis=1)).max(axis=-1) < 1e-3
     assert above.any()
     assert np.abs(ends - starts)[above].max() < 0.02 * skeleton.radii.max()
+
+
+def test_a_lobe_of_a_crown_faces_away_from_its_own_middle() -> None:
+    skeleton, lobes = crown_skeleton("oak", 7)
+    assert len(lobes.middles) == habit("oak", 7).lobes
+    places = lobes.middles + lobes.radii[:, None] * [0.0, 0.5, 0.0]
+    np.testing.assert_allclose(lobes.out(places)[:, 1], 0.5, atol=0.25)
+    leaves = crown_tree("oak", 7, 2)
+    corners = leaves.vertices[leaves.foliage].mean(axis=1).astype(float)
+    way = lobes.out(corners)
+    normals = leaves.normals[leaves.foliage[:, 0]].astype(float)
+    sides = np.abs(way[:, 1]) < 0.3
+    # Leaves beside the middle of a lobe face sideways, out of it, wherever they are in the crown.
+    assert (normals[sides] * way[sides]).sum(axis=1).mean() > 0.4
+    assert skeleton.radii.max() == habit("oak", 7).foot

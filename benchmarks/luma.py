@@ -1,11 +1,11 @@
 """Luma: how much of a screen's range the shipped scenes span by day.
 
-The middle frame of the first second of each scene is metered and rendered at 320x180. Printed are
-the median and the 99th percentile of its luma, and a mark where the law of daylight is broken: a
-median of 0.25 to 0.55 and a 99th percentile of 0.85 to 0.97. With a folder the pictures are written
-there.
+The middle frame of the first second of each scene is metered and rendered at 320x180, or another
+size. Printed are the median and the 99th percentile of its luma, and a mark where the law of
+daylight is broken: a median of 0.25 to 0.55 and a 99th percentile of 0.85 to 0.97. With a folder
+the pictures are written there.
 
-    python benchmarks/luma.py [--out folder] [scene ...]
+    python benchmarks/luma.py [--out folder] [--size 320x180] [scene ...]
 """
 
 from __future__ import annotations
@@ -25,16 +25,20 @@ from render.exposure_meter import daylight
 from render.image_files import write_png
 from render.renderer import Renderer
 
-SIZE, SECONDS = (320, 180), 1.0
+SECONDS = 1.0
 MEDIAN, BRIGHT = (0.25, 0.55), (0.85, 0.97)
 """Bounds of the median and of the 99th percentile."""
 
 
-def main(names: list[str], folder: Path | None) -> None:
+def main(names: list[str], folder: Path | None, size: str) -> None:
     """Measure and print."""
     renderer, broken = Renderer(choose()), 0
     for name in names:
-        shorter = [f"duration={SECONDS}", f"film.size=[{SIZE[0]},{SIZE[1]}]", "film.preset=preview"]
+        shorter = [
+            f"duration={SECONDS}",
+            f"film.size=[{size.replace('x', ',')}]",
+            "film.preset=preview",
+        ]
         scene = load_scene(find_scene(name), shorter)
         builder = ShotBuilder(scene, simulate(scene))
         builder.set_tones(metered_tones(builder, renderer))
@@ -56,5 +60,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--size", default="320x180")
     given = parser.parse_args()
-    main(given.scenes or shipped_scenes(), given.out)
+    main(given.scenes or shipped_scenes(), given.out, given.size)

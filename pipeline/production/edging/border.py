@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.hedges import hedge_length, hedge_tops
+from pipeline.production.edging.house_front import Front
 from pipeline.production.edging.palms import palm
 from pipeline.production.edging.plot import Plot
-from pipeline.production.edging.weathering import Front
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.film_view import FilmView

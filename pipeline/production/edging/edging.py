@@ -19,9 +19,10 @@ from pipeline.production.edging.house import PLASTERS
 from pipeline.production.edging.house_materials import AFTER_DARK, MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
+from pipeline.production.edging.rooms_behind_panes import add_rooms
 from pipeline.production.edging.square import furnish
 from pipeline.production.edging.street import PAVEMENT, rows_of_houses, single_house
-from pipeline.production.edging.weathering import add_rooms, add_weathering
+from pipeline.production.edging.weathering import add_weathering
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.production.edging.facade import RAILED, WINDOWS, Facade
 from pipeline.production.edging.glazing import GLAZINGS, SHOP_GLAZING, Glazing, dressing
-from pipeline.production.edging.weathering import Front
+from pipeline.production.edging.house_front import Front
 from pipeline.production.surroundings.lattice_noise import hashed
 from pipeline.simulation.spatial import Array
 

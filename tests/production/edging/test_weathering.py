@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.production.edging.carpentry import Carpentry, subdivide_sides
-from pipeline.production.edging.weathering import CELL, Front, add_rooms, add_weathering
+from pipeline.production.edging.house_front import Front
+from pipeline.production.edging.rooms_behind_panes import add_rooms
+from pipeline.production.edging.weathering import CELL, add_weathering
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
 
@@ -59,7 +61,7 @@ def test_cells_cover_the_wall_and_are_small() -> None:
     facade = (local[aged.faces][:, :, 2] > -0.01).all(axis=1)
     corners = local[aged.faces[facade]]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
-    assert edges.max() <= 1.415 * CELL["wall"]
+    assert edges.max() <= 1.415 * CELL
     # Nobody sees the back of the wall: it is not divided.
     assert ((local[aged.faces][:, :, 2] < -0.33).all(axis=1)).sum() == 2
 

@@ -221,9 +221,12 @@ class _Draft:
         rng = self.rng
         plain = [m["name"] for m in self.cast if "group" not in m]
         acting = self.performers
-        if event == "arrived":
+        if event in ("arrived", "failed"):
             able = [name for name, kind in acting.items() if kind != GROUP]
             return {event: rng.choice(able)} if able else None
+        if event == "served":
+            people = [name for name, kind in acting.items() if kind == PERSON]
+            return {event: rng.choice(people)} if people else None
         if event == "hug":
             hugging = [name for name, kind in acting.items() if kind == PERSON]
             hugged = self.names(JOINTED_CHARACTER, self.cast)

@@ -75,7 +75,10 @@ class Coats:
             material = materials[part.material]
             strands = FEATHERS if material.texture == "plumage" else HAIR
             names = (f"{part.name} coat", part.performer, strands)
-            pelts[i] = grown_pelt(take.meshes[part.seen], material, count, width, (seed, i), names)
+            pixel = float(finest[i])
+            pelts[i] = grown_pelt(
+                take.meshes[part.seen], material, count, width, pixel, (seed, i), names
+            )
         meshes = [take.meshes[parts[i].seen] for i in pelts]
         tips = Skin.of_meshes(take, meshes, [mesh.vertices + mesh.hair for mesh in meshes])
         covers = {

@@ -43,6 +43,9 @@ CLUMP = 0.22
 CLUMPING = 0.32
 """How much tips draw together."""
 
+MERGING = 0.75
+"""Power of the width of a ribbon, in its least one, by which it strays less."""
+
 SPREAD, VANE_SPREAD = 0.12, 0.20
 """Deviation of hair and feathers from their lay to the side and from the skin, in their length."""
 
@@ -52,8 +55,9 @@ BOW = 0.13
 SUNK = 0.04
 """Depth of roots below the skin, in the length of the hair."""
 
-LIFT = 1.5
-"""Height above the skin at which shadow rays of strands start, in that of their tips."""
+LIFT, MERGED_LIFT = 1.5, 3.0
+"""Height above the skin at which shadow rays of strands start, in that of their tips, and how much
+higher it is where strands are not told apart: shade of one on another would be spots."""
 
 UNDERCOAT = 0.8
 """Brightness of skin below a coat, in that of its colour: gaps between strands would be specks."""
@@ -79,6 +83,13 @@ LEAST_DENSE = 0.8
 FEWEST_WIDTHS, FINE_WIDTHS = 3.0, 12.0
 """Length of hair in its least width below which single strands are not told apart, and from which
 on they are: a coat of strands as long as a few pixels would look like a carpet."""
+
+RESOLVED = 0.9, 2.6
+"""Widths of a strand in pixels between which its roundness comes to be seen: samples of one that
+is as narrow as a pixel are light or dark by chance."""
+
+LEAST_SHOWN = 0.35
+"""Share of the shades of a strand that is left where it is so narrow."""
 
 LEAST_RELIEF = 0.2
 """Share of the shades of a strand that is left where it is not told apart."""
@@ -175,7 +186,8 @@ class Pelt:
             placed, bent = _ribbons(root, tip, n, length, eye, width, self.relief)
         # Single strands that the others leave in the light would be specks.
         above = np.maximum((lie * n).sum(axis=-1, keepdims=True), 0.0) + BOW * length
-        lift = 0.0 if self.vanes else (LIFT * above)[:, None]
+        far = LIFT + MERGED_LIFT * (1.0 - self.relief)
+        lift = 0.0 if self.vanes else (far * above)[:, None]
         if not alive:
             # Hidden by collapsing, because the topology of a build is constant.
             placed = np.zeros_like(placed)
@@ -262,6 +274,7 @@ def grown_pelt(
     material: Material,
     count: int,
     width: float,
+    pixel: float,
     seed: tuple[int, ...],
     names: tuple[str, str, str],
 ) -> Pelt:
@@ -272,6 +285,7 @@ def grown_pelt(
         material: of the part.
         count: of the strands.
         width: least width of one [m].
+        pixel: least size of a pixel on the part over the film [m].
         seed: of the part.
         names: of the strands' mesh, of the performer, and of the strands' material.
     """
@@ -296,8 +310,11 @@ def grown_pelt(
     each = draw.normal(size=(int(tufts.max()) + 1, 2)).clip(-2.0, 2.0)[tufts]
     astray = (VANE_SPREAD if vanes else SPREAD) * np.clip(draw.normal(size=(count, 2)), -2.0, 2.0)
     grown = draw.uniform(0.5 if vanes else 0.7, 1.2, count)
+    # A ribbon stands for the more hairs the wider it is, and their mean strays less.
+    merged = 1.0 if vanes else min(1.0, WIDTH * mean / width) ** MERGING
+    astray *= merged
     clumping = CLUMPING * draw.uniform(0.1, 1.0, count) * (0.0 if vanes else 1.0)
-    relief = 1.0 if vanes else _relief(mean / width)
+    relief = 1.0 if vanes else min(_relief(mean / width), _shown(width / pixel))
     tint = (VANE_TINT if vanes else TINT * relief) * np.clip(draw.normal(size=count), -2.0, 2.0)
     if not vanes:
         # Tufts of a coat whose strands are not told apart would be flecks.
@@ -344,6 +361,12 @@ def _relief(slenderness: float) -> float:
     """Return the share of the shades of a strand that shows, by its length in its width."""
     share = (slenderness - FEWEST_WIDTHS) / (FINE_WIDTHS - FEWEST_WIDTHS)
     return LEAST_RELIEF + (1.0 - LEAST_RELIEF) * float(np.clip(share, 0.0, 1.0))
+
+
+def _shown(pixels: float) -> float:
+    """Return the share of the shades of a strand that shows, by its width in pixels."""
+    share = (pixels - RESOLVED[0]) / (RESOLVED[1] - RESOLVED[0])
+    return LEAST_SHOWN + (1.0 - LEAST_SHOWN) * float(np.clip(share, 0.0, 1.0))
 
 
 def skin_colors(

@@ -6,7 +6,7 @@ are larger and lower, its jaw and nose smaller.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -157,8 +157,9 @@ def _with_units(head: Head, patch: SkinnedPatch, skin: FaceSkin) -> SkinnedPatch
     )
 
 
-LASH_LINE, LASH_SHARE, LOWER_LASH_SHARE = 0.97, 0.75, 0.15
-"""Share of a lid from which it is its margin, and how dark lashes make the upper and the lower."""
+LASH_LINE, LASH_SPAN, LASH_SHARE, LOWER_LASH_SHARE = 0.97, (0.62, 0.95), 0.85, 0.15
+"""Share of a lid from which it is its margin, shares between which upper lashes begin, and how dark
+lashes make the upper and the lower margin."""
 
 
 def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
@@ -176,7 +177,8 @@ def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
     nostril = spot(0.34, -0.176, 0.030 - 0.006 * c, 0.016, 0.013)
     hollow = np.maximum(grid.hollow, 0.8 * nostril)
     tint = np.stack([np.full(len(p), float(BLUSH)), blush], axis=-1)
-    lash = np.where(grid.lid > LASH_LINE, LASH_SHARE, 0.0) + np.where(
+    # Wide enough for an eye of a few pixels, which has no outline otherwise.
+    lash = LASH_SHARE * ramp(grid.lid, *LASH_SPAN) + np.where(
         grid.lid < -LASH_LINE, LOWER_LASH_SHARE, 0.0
     )
     tint[rings > blush] = np.stack([np.full(len(p), float(PALE)), rings], axis=-1)[rings > blush]
@@ -198,10 +200,28 @@ def bearded(patch: SkinnedPatch, head: Head, share: float) -> SkinnedPatch:
     line = np.interp(aside, *BEARD_LINE)
     cheeks = ramp(y, line + 0.035, line - 0.035) * ramp(y, -0.55, -0.46) * ramp(x, -0.09, -0.02)
     lip = np.exp(-(((y + 0.218) / 0.022) ** 2)) * ramp(aside, 0.13, 0.09) * ramp(x, 0.2, 0.25)
-    grown = share * np.maximum(cheeks, lip)
+    return _grown_over(patch, share * np.maximum(cheeks, lip))
+
+
+SCALP, SCALP_SPAN, NAPE = 0.80, (0.005, -0.050), (-0.40, -0.28)
+"""Share of the colour of hair on the skin below it, the distances before its line between which
+that begins, and heights between which it begins in the nape, in heads."""
+
+
+def haired(patch: SkinnedPatch, head: Head) -> SkinnedPatch:
+    """Return the skin of a head as it shows between the thin hairs along the hair line."""
+    seen = (patch.vertices - head.centre) / head.size
+    grown = ramp(before_hair_line(head.face, seen), *SCALP_SPAN) * ramp(seen[:, 1], *NAPE)
+    return _grown_over(patch, SCALP * grown)
+
+
+def _grown_over(patch: SkinnedPatch, grown: Array) -> SkinnedPatch:
+    """Return skin with a share (V,) of the colour of hair."""
     tint = patch.tint.copy()
+    has_hair = tint[:, 0] == BEARD
+    grown = np.maximum(grown, np.where(has_hair, tint[:, 1], 0.0))
     # Lips, lids and the inside of the mouth keep their colours.
-    covered = (grown > 0.05) & (np.isin(tint[:, 0], (BLUSH, PALE)))
+    covered = (grown > 0.05) & (np.isin(tint[:, 0], (BLUSH, PALE)) | has_hair)
     tint[covered] = np.stack([np.full(len(grown), float(BEARD)), grown], axis=-1)[covered]
     return replace(patch, tint=tint)
 
@@ -307,6 +327,9 @@ BROW_LINE = ((0.050, 0.112), (0.09, 0.120), (0.145, 0.126), (0.20, 0.117), (0.24
 
 BROW_RADII = np.array([0.0075, 0.0105, 0.0098, 0.0075, 0.0040])
 
+FULL_BROWS = {False: 0.0, True: -0.2}
+"""By how much brows of grown people are thicker, without a bust and with one."""
+
 BROW_PALENESS = np.array([0.34, 0.12, 0.10, 0.22, 0.45])
 """Share of the skin that is seen between the hairs of a brow, from its inner end."""
 
@@ -325,7 +348,8 @@ def brows(head: Head) -> SkinnedPatch:
     for _ in range(4):
         found = cast_rays(field, normalized(aims - ORIGIN))
         aims = aims + (wanted - found) * [0.0, 1.0, 1.0]
-    radii = BROW_RADII * (1.0 - 0.15 * face.child)
+    fuller = FULL_BROWS[head.build.is_curved] * (1.0 - face.child)
+    radii = BROW_RADII * (1.0 - 0.15 * face.child + fuller)
     net = tube(found - np.array([0.004, 0.0, 0.0]), radii, 6)
     patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
     pale = np.interp(net.vertices[:, 2], [z for z, _ in BROW_LINE], BROW_PALENESS)
@@ -338,8 +362,12 @@ def brows(head: Head) -> SkinnedPatch:
 Style = Callable[[Head], Field]
 
 
-HAIR_LINE = ((0.345, 0.270, 0.0), (0.72, -0.66, 0.0))
-"""Place and direction of the plane that cuts off hair at the forehead."""
+HAIR_LINE, CHILD_LINE = (0.310, 0.345, 0.0), (0.030, -0.070, 0.0)
+"""Place of the hair line in the middle of the forehead, a third of a face above its brows, and by
+how much a child's lies elsewhere, in heads."""
+
+LINE_NORMAL = normalized(np.array([0.84, -0.54, 0.0]))
+"""Direction of the plane that cuts off hair there: down to before the ears."""
 
 TEMPLE, TEMPLE_BREADTH, TEMPLE_RISE = 0.215, 0.075, 0.062
 """Place of a temple aside, its breadth, and by how much the line runs higher there, in heads."""
@@ -347,35 +375,59 @@ TEMPLE, TEMPLE_BREADTH, TEMPLE_RISE = 0.215, 0.075, 0.062
 LINE_WAVE = 0.010
 """By how much the line runs to and fro, in heads."""
 
-BABY_HAIR = 0.45
-"""Share of the skin that is seen between the thin hairs of the hair line."""
+TAPER, TAPER_SLOPE = 0.016, 0.32
+"""Thickness of hair at its line, in heads, and by how much it grows per distance behind the line:
+hair that began in a step would be a cap."""
+
+HANGS = (0.12, -0.02)
+"""Heights between which hair that hangs beside the face is free of that, in heads."""
 
 
-def _hair_cap(head: Head, thick: float) -> Field:
-    """Return hair on the skull, cut off along a line from the forehead to the nape."""
+def _hair_cap(head: Head, thick: float | Sequence[float]) -> Field:
+    """Return hair on the skull, cut off along a line from the forehead to the nape.
+
+    Args:
+        head: of the person.
+        thick: of the hair, or (3,) of it along the axes, in heads.
+    """
     s, at = head.size, head.at
-    skull = ellipsoid(at(-0.060, 0.130, 0.0), s * (np.array([0.430, 0.395, 0.345]) + thick))
+    radii = np.array([0.430, 0.395, 0.345]) + np.asarray(thick)
+    skull = ellipsoid(at(-0.060, 0.130, 0.0), s * radii)
 
     def line(places: Array) -> Array:
-        return np.asarray(s * _before_hair_line((places - head.centre) / s))
+        return np.asarray(s * before_hair_line(head.face, (places - head.centre) / s))
 
-    return smooth_intersection(skull, line, 0.05 * s)
+    return smooth_intersection(skull, line, 0.02 * s)
 
 
-def _before_hair_line(places: Array) -> Array:
+def _tapered(head: Head, hair: Field, hangs: bool) -> Field:
+    """Return hair that grows out of the skin along its line, where it does not hang."""
+    skin = face_field(head.face, with_lids=False)
+
+    def above(places: Array) -> Array:
+        seen = (places - head.centre) / head.size
+        most = TAPER + TAPER_SLOPE * np.maximum(-before_hair_line(head.face, seen), 0.0)
+        free = hangs * ramp(seen[:, 1], *HANGS)
+        return np.asarray(head.size * (skin(seen) - most - free))
+
+    return smooth_intersection(hair, above, 0.03 * head.size)
+
+
+def before_hair_line(face: FaceShape, places: Array) -> Array:
     """Return the distances (n,) of places before the hair line, negative behind it, in heads."""
-    point, normal = (np.array(v) for v in HAIR_LINE)
+    point = np.array(HAIR_LINE) + face.child * np.array(CHILD_LINE)
     aside = np.abs(places[:, 2])
     temple = TEMPLE_RISE * np.exp(-(((aside - TEMPLE) / TEMPLE_BREADTH) ** 2))
     wave = LINE_WAVE * np.sin(22.0 * aside + 2.2)
-    return np.asarray((places - point) @ normalized(normal) + temple + wave)
+    return np.asarray((places - point) @ LINE_NORMAL + temple + wave)
 
 
 def _short(head: Head) -> Field:
     s, at = head.size, head.at
-    tuft = round_cone(at(0.21, 0.42, -0.12), at(0.21, 0.42, 0.12), 0.088 * s, 0.088 * s)
+    tuft = round_cone(at(0.12, 0.44, -0.12), at(0.12, 0.44, 0.12), 0.095 * s, 0.095 * s)
     nape = ellipsoid(at(-0.27, -0.12, 0.0), s * np.array([0.20, 0.26, 0.26]))
-    return smooth_union([_hair_cap(head, 0.034), tuft, nape], 0.07 * s)
+    cap = _hair_cap(head, (0.034, 0.050, 0.022))
+    return _tapered(head, smooth_union([cap, tuft, nape], 0.07 * s), hangs=False)
 
 
 def _bob(head: Head) -> Field:
@@ -387,7 +439,9 @@ def _bob(head: Head) -> Field:
     back = round_cone(
         at(-0.26, 0.10, 0.0), at(-0.24, -0.36, 0.0), 0.22 * s, 0.20 * s, (1.0, 1.0, 1.45)
     )
-    return smooth_union([_hair_cap(head, 0.052), *sides, back], 0.09 * s)
+    return _tapered(
+        head, smooth_union([_hair_cap(head, 0.052), *sides, back], 0.09 * s), hangs=True
+    )
 
 
 KNOT, KNOT_RADIUS = (-0.535, 0.09, 0.0), 0.150
@@ -397,7 +451,7 @@ KNOT, KNOT_RADIUS = (-0.535, 0.09, 0.0), 0.150
 def _bun(head: Head) -> Field:
     s, at = head.size, head.at
     nape = ellipsoid(at(-0.24, -0.09, 0.0), s * np.array([0.185, 0.22, 0.24]))
-    drawn_back = smooth_union([_hair_cap(head, 0.022), nape], 0.05 * s)
+    drawn_back = _tapered(head, smooth_union([_hair_cap(head, 0.022), nape], 0.05 * s), hangs=False)
     return smooth_union([drawn_back, ellipsoid(at(*KNOT), KNOT_RADIUS * s)], 0.018 * s)
 
 
@@ -410,10 +464,16 @@ def _long(head: Head) -> Field:
     back = round_cone(
         at(-0.27, 0.12, 0.0), at(-0.36, -0.72, 0.0), 0.21 * s, 0.11 * s, (1.0, 1.0, 1.7)
     )
-    return smooth_union([_hair_cap(head, 0.048), *sides, back], 0.10 * s)
+    return _tapered(
+        head, smooth_union([_hair_cap(head, 0.048), *sides, back], 0.10 * s), hangs=True
+    )
 
 
 HAIR_STYLES: Mapping[str, Style] = {"short": _short, "bob": _bob, "bun": _bun, "long": _long}
+
+
+HAIR_CELL = 0.068
+"""Distance of the samples of hair, in heads."""
 
 
 @cached_part
@@ -422,7 +482,7 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     s, c = head.size, head.centre
     low = (c[0] - 0.80 * s, c[1] - (0.95 if style == "long" else 0.62) * s, -0.54 * s)
     high = (c[0] + 0.50 * s, c[1] + 0.62 * s, 0.54 * s)
-    net = polygonise(HAIR_STYLES[style](head), low, high, 0.084 * s, symmetric=True)
+    net = polygonise(HAIR_STYLES[style](head), low, high, HAIR_CELL * s, symmetric=True)
     share = ramp(net.vertices[:, 1], float(c[1] - 0.85 * s), float(c[1] - 0.30 * s))
     patch = net.follow("head", "chest", 1.0 - share)
     seen = (net.vertices - c) / s
@@ -431,10 +491,10 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     return replace(patch, tint=_hair_gloss(seen, normals), shade=_hair_shade(seen, normals))
 
 
-LOCK_DEPTH: Mapping[str, float] = {"short": 0.012, "bob": 0.016, "long": 0.018, "bun": 0.006}
+LOCK_DEPTH: Mapping[str, float] = {"short": 0.008, "bob": 0.007, "long": 0.008, "bun": 0.005}
 """By how much locks stand out and lie deeper by style, in heads."""
 
-HEM_LOCKS = 0.055
+HEM_LOCKS = 0.040
 """By how much the lower ends of locks hang lower or higher, in heads."""
 
 
@@ -475,11 +535,6 @@ def _hair_gloss(places: Array, normals: Array) -> Array:
     locks = 0.62 + 0.38 * np.sin(11.0 * around) * np.sin(5.0 * around + 1.0)
     band = np.exp(-(((normals[:, 1] - GLOSS_RISE) / GLOSS_BREADTH) ** 2))
     tint = np.stack([np.full(len(places), float(SHEEN)), GLOSS * band * locks], axis=-1)
-    edge = BABY_HAIR * ramp(_before_hair_line(places), -0.075, -0.005)
-    # Long hair that hangs beside the face is as thick as elsewhere.
-    edge *= ramp(places[:, 1], 0.04, 0.18)
-    thin = edge > tint[:, 1]
-    tint[thin] = np.stack([np.full(len(edge), float(BLUSH)), edge], axis=-1)[thin]
     return tint
 
 

@@ -35,6 +35,7 @@ from pipeline.simulation.people.head_mesh import (
     ears,
     eyeballs,
     hair_patch,
+    haired,
     head_skin,
     neck_skin,
     teeth,
@@ -148,7 +149,7 @@ def _cached_meshes(
     head = Head(build)
     layers = [
         (name, _mesh(merge_patches(patches), tints))
-        for name, patches in _layers(build, head, short_sleeves, shorts, garments, features)
+        for name, patches in _layers(build, head, style, short_sleeves, shorts, garments, features)
     ]
     locks = [] if style == "none" else [hair_patch(head, style)]
     grown = [*(length * head_hair(head, style, patch, features.parting) for patch in locks)]
@@ -163,6 +164,7 @@ def _cached_meshes(
 def _layers(
     build: BodyMeasures,
     head: Head,
+    style: HairStyle,
     short_sleeves: bool,
     shorts: bool,
     garments: tuple[Garment, ...],
@@ -174,7 +176,8 @@ def _layers(
         return with_features(patch, features, head.centre, head.size)
 
     beard = 0.0 if build.childish > 0.0 else features.beard
-    face = [own(bearded(head_skin(head), head, beard)), neck_skin(head), own(ears(head))]
+    scalp = head_skin(head) if style == "none" else haired(head_skin(head), head)
+    face = [own(bearded(scalp, head, beard)), neck_skin(head), own(ears(head))]
     yield "skin", [*face, bare_arms(build, short_sleeves), *bare]
     tucked = not {"skirt", "coat", "tucked", "bib"}.isdisjoint(garments)
     over = {"coat": coat_skirt, "hood": hood}

@@ -415,3 +415,18 @@ def test_a_foot_goes_up_before_ahead_and_ahead_before_down(rise: float) -> None:
     leads = [up - ahead for ahead, up in ways[1:-1]]
     assert all(np.sign(lead) == np.sign(rise) for lead in leads)
     assert max(map(abs, leads)) >= 0.3 * abs(rise)
+
+
+def test_a_person_that_kicks_stays_upright() -> None:
+    """A kicking foot has still the landing place of its last step, and does not land there."""
+    play = play_scene(
+        "duration: 5\ncast:\n  - {name: ball, character: ball, at: [2, 1]}\n"
+        "  - {name: a, character: child, at: [2.5, 3]}\n"
+        "script:\n  - {at: 0, who: a, do: {kick: ball}}\n"
+    )
+    kicks = play.records["kick_foot"][:, 0] >= 0
+    assert kicks.sum() > 0.3 * STEPS
+    assert play.records["pelvis_drop"][kicks].max() < 0.05
+    moved = play.records["kick_velocity"][kicks, 0]
+    # Nowhere on its way it turns at a corner.
+    assert np.linalg.norm(np.diff(moved, axis=0), axis=1).max() < 2.0

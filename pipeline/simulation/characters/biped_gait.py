@@ -69,6 +69,11 @@ FASTEST_RAISE = 2.3  # of a swing under way, in leg lengths [1/s]
 # way it would be drawn up to the hip to clear the edge.
 HIGH_RISE = 0.3  # from which it does so wholly, in leg lengths
 LEVEL_DELAY, RISE_LEAD = 0.08, 0.4  # of the way ahead and of the rise, in the time of a swing
+# Steps are shortened, at most so far, for a place that is less high above or below the other foot.
+# In leg lengths.
+MOST_EASY_RISE, SHORTEST_STEP = 0.3, 0.3
+LEAST_GAIN = 0.02  # of a place over one that is farther ahead
+EASY_RISE_TRIALS = 12  # of places from the farthest on
 LATE_RETARGET_RATE = 30.0  # [1/s] at which the height follows at the end of a swing
 
 # How feet keep clear of the other leg. Distances are in lateral clearances.
@@ -242,6 +247,7 @@ def _choose_landing(
     lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
     shift = side * max(LATERAL_CLEARANCE * person.hips - lateral, 0.0)
     x, z = x + shift * right_x, z + shift * right_z
+    x, z = _within_easy_rise(person, k, x, z, frame, vertices)
     if person.deck_share > 0.0 and not support_at(person, frame, vertices, x, z)[2]:
         # The deck carries the person on, but not the place beside it, and leaves it its velocity.
         carried = time + (1.0 - math.exp(-VELOCITY_GAIN * half_stance)) / VELOCITY_GAIN
@@ -264,11 +270,44 @@ def _choose_landing(
     )
     lifted = row(person.liftoff_place, k)
     rise = y + person.ankle - lifted[1]
-    by_slope = -(n[0] * (x - lifted[0]) + n[2] * (z - lifted[2])) / max(n[1], 1e-6)
-    person.step_rise[k] = min(abs(rise), abs(rise - by_slope))
+    # Over rounded ground the mean slope of both ends leads up or down.
+    _, m, _ = support_at(person, frame, vertices, lifted[0], lifted[2])
+    slope_x = 0.5 * (n[0] / max(n[1], 1e-6) + m[0] / max(m[1], 1e-6))
+    slope_z = 0.5 * (n[2] / max(n[1], 1e-6) + m[2] / max(m[1], 1e-6))
+    by_slope = -slope_x * (x - lifted[0]) - slope_z * (z - lifted[2])
+    unexplained = min(abs(rise), abs(rise - by_slope))
+    person.step_rise[k] += retargeted * (unexplained - person.step_rise[k])
     person.landing_yaw[k] += retargeted * wrap_angle(heading - person.landing_yaw[k])
     person.swing_end[k] += retargeted * (person.landing_place[k, 1] - person.swing_end[k])
     _raise_swing_height(person, k, dt, frame, vertices)
+
+
+@compiled
+def _within_easy_rise(
+    person: Record, k: int, x: float, z: float, frame: Record, vertices: Array
+) -> tuple[float, float]:
+    """Return the farthest place on the way of a foot to x, z that is easily stepped up or down to.
+
+    Who hurries on stairs takes them one by one, not as many as fit into a stride on level ground. A
+    higher ledge has no such place, but for those that get the foot hardly ahead of the other one:
+    then it is the least high one.
+    """
+    leg, other = leg_length(person), other_ankle(person, k)
+    way_x, way_z = x - other[0], z - other[2]
+    size = hypotenuse(way_x, way_z)
+    best_x, best_z, least = x, z, math.inf
+    for n in range(EASY_RISE_TRIALS):
+        left_out = n / EASY_RISE_TRIALS
+        if n > 0 and (1.0 - left_out) * size < SHORTEST_STEP * leg:
+            break
+        to_x, to_z = x - left_out * way_x, z - left_out * way_z
+        y, _, _ = support_at(person, frame, vertices, to_x, to_z)
+        excess = max(abs(y + person.ankle - other[1]) / leg - MOST_EASY_RISE, 0.0)
+        if excess < least - LEAST_GAIN:
+            best_x, best_z, least = to_x, to_z, excess
+        if excess == 0.0:
+            break
+    return best_x, best_z
 
 
 @compiled
@@ -324,9 +363,11 @@ def _swing_progress(person: Record, u: float) -> float:
 def _step_progress(person: Record, k: int, u: float) -> tuple[float, float]:
     """Return the fractions of the way ahead and of the rise of a foot at a fraction u of its swing.
 
-    They differ on high steps.
+    They differ on high steps; along a slope, which has no edge to clear, a foot goes straight.
     """
-    rise = (person.swing_end[k] - person.liftoff_place[k, 1]) / (HIGH_RISE * leg_length(person))
+    rise = person.swing_end[k] - person.liftoff_place[k, 1]
+    rise = min(max(rise, -person.step_rise[k]), person.step_rise[k])
+    rise /= HIGH_RISE * leg_length(person)
     up, down = min(max(rise, 0.0), 1.0), min(max(-rise, 0.0), 1.0)
     late = max(u - LEVEL_DELAY * up, 0.0) / (1.0 - LEVEL_DELAY * up)
     early = min(u / (1.0 - RISE_LEAD * up), 1.0)

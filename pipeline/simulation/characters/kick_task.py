@@ -199,16 +199,18 @@ class KickThing(Task):
         there = 2.0 * math.dist(back, impact) / speed
         on = 2.0 * math.dist(impact, end) / speed
         time = self.time - BACKSWING_TIME
+        level = (end - back) * [1.0, 0.0, 1.0]
+        level /= max(float(np.linalg.norm(level)), 1e-9)
         if time < 0.0:
             share = self.time / BACKSWING_TIME
             share = share * share * (3.0 - 2.0 * share)
             place, pitch = start + share * (back - start), -0.7 * share
         elif time < there:
             share = (time / there) ** 2
-            place, pitch = back + share * (impact - back), -0.7 + 0.6 * share
+            place, pitch = _arc(back, impact, level, -1.0, 1.0 - share), -0.7 + 0.6 * share
         else:
             share = 1.0 - (1.0 - min((time - there) / on, 1.0)) ** 2
-            place, pitch = impact + share * (end - impact), -0.1
+            place, pitch = _arc(end, impact, level, 1.0, share), -0.1
         person.kick_velocity[:], person.kick_pitch = (place - person.kick_place) / dt, pitch
         if not self.is_hit and time >= 0.0:
             # A toe or a knee meets what is wide or tall before the instep does.
@@ -281,6 +283,24 @@ class KickThing(Task):
         person.stepping, person.phase = True, (1.0 - 0.5 * k) % 1.0
         person.has_goal = person.has_facing = False
         self.is_over, self.swings = True, False
+
+
+def _arc(far: Array, impact: Array, level: Array, sense: float, share: float) -> Array:
+    """Return the place (3,) of a foot on an arc that is level where it meets a thing.
+
+    A quadratic Bezier curve; the foot passes from one arc to the other without a corner.
+
+    Args:
+        far: (3,) the other end of the arc [m].
+        impact: (3,) where the foot meets the thing [m].
+        level: (3,) unit vector along which it does.
+        sense: 1 for the arc behind the impact, -1 for the one before it.
+        share: of the way from the impact to the other end, in the parameter of the curve.
+    """
+    middle = impact + 0.5 * sense * math.dist(far, impact) * level
+    near, between = (1.0 - share) ** 2, 2.0 * share * (1.0 - share)
+    place: Array = near * impact + between * middle + share * share * far
+    return place
 
 
 def _points(state: MemberState) -> Array:

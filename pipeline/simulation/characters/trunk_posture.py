@@ -300,6 +300,9 @@ def _early_lowering(person: Record, k: int, height: float, bones: float) -> floa
 
     Sinking at touchdown would be a drop. Legs are at most as long as their bones.
     """
+    if k == person.kick_foot:
+        # It has still the landing place of its last step.
+        return 0.0
     rate, stance = gait_pace(person)
     left = max(1.0 - leg_phase(person, k) / (1.0 - stance), 0.0)
     if left > EARLY_LOWERING:

@@ -409,9 +409,63 @@ def way_of_foot(persons: Records, u: float) -> tuple[float, float]:
 def test_a_foot_goes_up_before_ahead_and_ahead_before_down(rise: float) -> None:
     person = zero_records(1, PERSON)
     person["hip_height"], person["swing_end"] = 0.5, rise * 0.5
+    person["step_rise"] = abs(rise) * 0.5
     ways = [way_of_foot(person, u) for u in (0.0, 0.25, 0.5, 0.75, 1.0)]
     assert ways[0] == pytest.approx((0.0, 0.0))
     assert ways[-1] == pytest.approx((1.0, 1.0))
     leads = [up - ahead for ahead, up in ways[1:-1]]
     assert all(np.sign(lead) == np.sign(rise) for lead in leads)
     assert max(map(abs, leads)) >= 0.3 * abs(rise)
+
+
+@pytest.mark.parametrize("rise", [0.4, -0.4])
+def test_along_a_slope_a_foot_goes_straight(rise: float) -> None:
+    """Held up until it is ahead, it would be drawn up to the hip where there is no edge."""
+    person = zero_records(1, PERSON)
+    person["hip_height"], person["swing_end"] = 0.5, rise * 0.5
+    for u in (0.25, 0.5, 0.75):
+        ahead, up = way_of_foot(person, u)
+        assert ahead == pytest.approx(up)
+
+
+def test_rounded_hills_have_no_high_steps() -> None:
+    """Where it lands in a hollow, the ground is level and yet lower than where it lifted off."""
+    play = play_scene(
+        "duration: 6\nterrain: {kind: hills, height: 1.1, spacing: 6}\n"
+        "cast: [{name: a, character: child, scale: 0.9, at: [4, -3], heading_deg: 140}]\n"
+        "script:\n  - {at: 0, who: a, do: {speed: 2.2}}\n"
+        "  - {at: 0, who: a, do: {go_to: [-5, 4]}}\n"
+    )
+    rise = np.abs(play.records["swing_end"] - play.records["liftoff_place"][..., 1])[:, 0]
+    leg = play.records["hip_height"][0, 0]
+    assert rise.max() > 0.2 * leg
+    assert play.records["slowing"].max() < 0.3
+
+
+def test_hurried_climbers_take_stairs_one_by_one() -> None:
+    """Three or four at once, as fit into their stride, would fold the leg up to the hip."""
+    play = play_scene(
+        "duration: 7\nterrain: {kind: stairs, steps: 6, step_height: 0.17, step_depth: 0.32, "
+        "start: 0.5, size: [20, 12]}\n"
+        "cast: [{name: a, character: adult, at: [-2.5, 1.2], scale: 0.9}]\n"
+        "script:\n  - {at: 0, who: a, do: {speed: 1.9}}\n"
+        "  - {at: 0, who: a, do: {go_to: [8, 1.8]}}\n"
+    )
+    stood = play.records["stance_place"][:, 0, :, 1]
+    assert stood.max() > 0.9
+    assert np.abs(stood[:, 0] - stood[:, 1]).max() < 1.5 * 0.17
+
+
+def test_a_person_that_kicks_stays_upright() -> None:
+    """A kicking foot has still the landing place of its last step, and does not land there."""
+    play = play_scene(
+        "duration: 5\ncast:\n  - {name: ball, character: ball, at: [2, 1]}\n"
+        "  - {name: a, character: child, at: [2.5, 3]}\n"
+        "script:\n  - {at: 0, who: a, do: {kick: ball}}\n"
+    )
+    kicks = play.records["kick_foot"][:, 0] >= 0
+    assert kicks.sum() > 0.3 * STEPS
+    assert play.records["pelvis_drop"][kicks].max() < 0.05
+    moved = play.records["kick_velocity"][kicks, 0]
+    # Nowhere on its way it turns at a corner.
+    assert np.linalg.norm(np.diff(moved, axis=0), axis=1).max() < 2.0

@@ -73,6 +73,25 @@ def test_saturated_phase_force_is_bounded_and_takes_longer():
     assert held.time > free.time
 
 
+def test_legs_that_sprawl_are_drawn_up_less_than_those_that_stand_upright() -> None:
+    hips = np.array([[0.2, 0.0, 0.1], [0.2, 0.0, -0.1]])
+    raised = []
+    for aside, depth in ((0.05, 0.5), (0.45, 0.2)):
+        feet = hips + np.array([[0.0, -depth, aside], [0.0, -depth, -aside]])
+        hopper = SimpleNamespace(
+            hips=hips,
+            rest_feet=feet * [1.0, 0.0, 1.0],
+            standing_height=depth,
+            folded_lengths=np.full(2, 0.05),
+            leg_length=0.5,
+        )
+        swing = flight_swing(hopper, feet, feet, 0.0, 0.6, np.zeros(3), False)  # type: ignore[arg-type]
+        raised.append(swing.rising[:, 1] - feet[:, 1])
+    assert raised[0] == pytest.approx(0.42 * 0.5)
+    assert (raised[1] > 0.02).all()
+    assert (raised[1] < 0.35 * raised[0]).all()
+
+
 @pytest.mark.parametrize(
     ("time", "speed", "legs"), [(0.6, 3.0, 4), (0.1, 3.0, 4), (0.6, 0.0, 4), (0.6, 3.0, 2)]
 )
@@ -82,7 +101,11 @@ def test_legs_stretch_back_and_reach_ahead_the_more_the_longer_and_faster_they_f
     length = 0.8
     hips = np.array([[x, 0.0, z] for x in (0.5, -0.5) for z in (-0.1, 0.1)])[-legs:]
     hopper = SimpleNamespace(
-        hips=hips, rest_feet=hips, folded_lengths=np.full(legs, 0.2), leg_length=length
+        hips=hips,
+        rest_feet=hips,
+        standing_height=0.75,
+        folded_lengths=np.full(legs, 0.2),
+        leg_length=length,
     )
     start, end = (hips + np.array([x, -0.75, 0.0]) for x in (-0.1, 0.1))
     # A little askew, as on hills.

@@ -37,6 +37,10 @@ SWING_KNOTS = np.array(KNOT_SHARES)
 TUCK_HEIGHT = 0.42
 """How high feet are drawn up in mid-flight, in leg lengths."""
 
+UPRIGHT = 0.8
+"""Depth of feet below their hips at rest, in their distance, from which on legs are drawn up fully:
+those that sprawl more stay low, as insects' do."""
+
 FULL_TUCK_TIME, FULL_LEAP_FROUDE = 0.5, 0.8
 """Duration of a flight, and speed in √(g l), from which on legs fold and stretch fully."""
 
@@ -238,6 +242,9 @@ def flight_swing(
     length = hopper.leg_length
     low = np.maximum(start[:, 1], landing_feet[:, 1])
     highest = hopper.hips[:, 1] - 1.15 * hopper.folded_lengths
+    apart = hopper.hips - hopper.rest_feet + hopper.standing_height * np.array([0.0, 1.0, 0.0])
+    depth = apart[:, 1] / np.linalg.norm(apart, axis=1)
+    upright = np.clip(depth / UPRIGHT, 0.0, 1.0) ** 2
     # Short flights leave no time for it.
     share = min(1.0, time / FULL_TUCK_TIME)
     level = np.array([v[0], 0.0, v[2]])
@@ -248,7 +255,7 @@ def flight_swing(
     def raised(height: float, place: float) -> Array:
         """Return feet (n, 3) between start and end, raised by a height in leg lengths [m]."""
         feet = start + place * (landing_feet - start)
-        top = highest if fold_legs else np.minimum(low + height * length * share, highest)
+        top = highest if fold_legs else np.minimum(low + height * length * share * upright, highest)
         feet[:, 1] = np.maximum(top, low)
         return feet
 

@@ -35,11 +35,17 @@ BODY_SHARE = (0.76, 0.42)
 OVERLAP = 0.09
 """By which shoots reach over the next length, so that no joint shows [m]."""
 
-SHOOTS = ((260, 11, 0.074, 2), (170, 8, 0.108, 2), (120, 5, 0.20, 1))
+SHOOTS = ((325, 11, 0.074, 2), (212, 8, 0.108, 2), (150, 5, 0.20, 1))
 """Shoots, leaves on each, length of a leaf [m] and its triangles by level of detail."""
 
 SHOOT = 0.17
 """Length of a shoot [m]."""
+
+AT_ENDS = 0.2
+"""Share of shoots that close both ends, which are within the next length but for the last one."""
+
+BEYOND = 0.2
+"""How far an end stands out over a length, so that leaves cover the dark inside [m]."""
 
 ESCAPED = 0.05
 """Share of shoots that have outgrown the clipped face."""
@@ -107,10 +113,18 @@ def _shoots(rng: np.random.Generator, seed: int, count: int) -> tuple[Array, Arr
     out = unit(out)
     y = y - 0.11 * near_side * is_top
     z = z * (1.0 - 0.14 * near_top * ~is_top) * (0.88 + 0.12 * smoothstep(0.0, 0.5, y))
+    is_end = rng.uniform(size=count) < AT_ENDS
+    end = np.where(x < 0.0, -1.0, 1.0)
+    x = np.where(is_end, (0.5 * LENGTH + BEYOND) * end, x)
+    # Few, so that they are spread evenly: Roberts 2018.
+    spread = np.outer(np.cumsum(is_end), (0.7549, 0.5698)) % 1.0
+    y = np.where(is_end, spread[:, 0] * HEIGHT, y)
+    z = np.where(is_end, 0.85 * (2.0 * spread[:, 1] - 1.0) * half_depth, z)
+    out = np.where(is_end[:, None], np.stack([end, 0.3 * near_top, zero], axis=-1), out)
     faces = np.stack([x, y, z], axis=-1)
     lumps = 0.07 * rough(2.3 * faces + 10.0 * seed, seed, 2)
     # Ends meet those of the next length.
-    lumps = lumps * (1.0 - np.clip(2.0 * np.abs(x) / LENGTH, 0.0, 1.0) ** 4)
+    lumps = np.where(is_end, 0.0, lumps * (1.0 - np.clip(2.0 * np.abs(x) / LENGTH, 0.0, 1.0) ** 4))
     deep = rng.uniform(0.0, 0.17, count) - lumps
     deep = np.where(rng.uniform(size=count) < ESCAPED, deep - 0.14, deep)
     feet = faces - (deep + 0.6 * SHOOT)[:, None] * out

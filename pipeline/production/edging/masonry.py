@@ -22,7 +22,10 @@ from pipeline.simulation.spatial import Array
 SQUARENESS = 9.0
 """Exponent of the superquadric of a stone: 2 is a sphere, infinite a box."""
 
-GREY, BROWN, LICHEN = (0.23, 0.222, 0.205), (0.20, 0.178, 0.145), (0.20, 0.215, 0.13)
+GREY, BROWN, LICHEN = (0.27, 0.258, 0.236), (0.235, 0.206, 0.165), (0.22, 0.235, 0.145)
+
+JOINT = 0.7
+"""By how much a stone is darker at its edges, where it meets others."""
 
 
 @cache
@@ -69,6 +72,9 @@ def wall_stone(seed: int, across: int) -> Prototype:
         0.1, 0.7, normals[:, 1]
     )
     color = mixed(color, LICHEN, 0.7 * growth)
+    # Soil and shade in the joints: without them a wall in the shade is one dark mass.
+    rim = np.sort(np.abs(vertices), axis=1)[:, 1]
+    color = color * (1.0 - JOINT * smoothstep(0.24, 0.46, rim))[:, None]
     shape = Shape()
     # Broken faces have edges: each is shaded as it lies.
     corners = vertices[faces]

@@ -77,7 +77,7 @@ def add_stones(
     far = border.view.distances(points) / border.detail
     across = np.where(far < 5.0, 7, np.where(far < 14.0, 4, 3))
     variant = rng.integers(0, 7, len(points))
-    tints = rng.uniform(0.72, 1.2, (len(points), 1)) * rng.normal(light, 0.03, (len(points), 3))
+    tints = rng.uniform(0.6, 1.35, (len(points), 1)) * rng.normal(light, 0.05, (len(points), 3))
     turned = heading + np.pi * rng.integers(0, 2, len(points))
     for k in np.unique(across):
         for v in range(7):

@@ -231,15 +231,16 @@ def fern(seed: int, level: int) -> Prototype:
     """Return a fern: arching fronds with leaflets on both sides, that are parted again if close."""
     rng, shape = np.random.default_rng([seed, 31]), Shape()
     is_close, level = level == 0, max(level - 1, 0)
-    fronds, each = ((13, 15), (10, 8), (7, 3))[level]
+    fronds, each = ((15, 22), (13, 15), (8, 7))[level]
     for k in range(fronds):
         heading = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / fronds
         length = 0.55 * rng.uniform(0.7, 1.1)
         ahead = np.array([np.cos(heading), 0.0, np.sin(heading)])
         t = (np.arange(each) + 0.6) / each
-        rise = rng.uniform(0.75, 1.05)
-        # Up from the crown, then over in an arch.
-        out, up = 0.28 * t + 0.56 * t * t, rise * t * (1.35 - 0.85 * t)
+        # Up from the crown, then over in an arch, the inner ones later than the outer ones: fronds
+        # of one height would be seen as a slab.
+        rise, spread = rng.uniform(0.7, 1.35), rng.uniform(0.55, 1.1)
+        out, up = spread * (0.24 * t + 0.56 * t * t), rise * t * (1.4 - 0.85 * t)
         rachis = length * (out[:, None] * ahead + up[:, None] * UP)
         along = unit(np.gradient(rachis, axis=0) if each > 1 else ahead[None])
         side = unit(np.cross(along, UP))
@@ -248,11 +249,11 @@ def fern(seed: int, level: int) -> Prototype:
         green = np.array([0.165, 0.235, 0.062]) * rng.uniform(0.75, 1.2)
         color = green * (0.75 + 0.5 * t)[:, None]
         for sign in (-1.0, 1.0):
-            way = sign * side + 0.45 * along - 0.18 * UP
+            way = sign * side + 0.45 * along - rng.uniform(0.1, 0.5) * UP
             if is_close:
                 _add_lobes(shape, rachis, unit(way), face, size, color)
                 continue
-            wide = (0.24 if level == 0 else 0.42 if level == 1 else 0.9) * size
+            wide = (0.22 if level == 0 else 0.30 if level == 1 else 0.55) * size
             add_leaves(shape, rachis, way, face, size, wide, color, unit(face + 0.4 * UP))
         if is_close:
             add_tubes(

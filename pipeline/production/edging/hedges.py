@@ -124,7 +124,7 @@ def _shoots(rng: np.random.Generator, seed: int, count: int) -> tuple[Array, Arr
     faces = np.stack([x, y, z], axis=-1)
     lumps = 0.07 * rough(2.3 * faces + 10.0 * seed, seed, 2)
     # Ends meet those of the next length.
-    lumps = np.where(is_end, 0.0, lumps * (1.0 - np.clip(2.0 * np.abs(x) / LENGTH, 0.0, 1.0) ** 4))
+    lumps = lumps * (1.0 - np.clip(2.0 * np.abs(x) / LENGTH, 0.0, 1.0) ** 4)
     deep = rng.uniform(0.0, 0.17, count) - lumps
     deep = np.where(rng.uniform(size=count) < ESCAPED, deep - 0.14, deep)
     feet = faces - (deep + 0.6 * SHOOT)[:, None] * out

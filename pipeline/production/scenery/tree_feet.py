@@ -50,18 +50,20 @@ def at_feet(
     ground = placement.ground.at(x, z)
     points = np.stack([x, ground.height, z], axis=-1)
     result = []
-    for here in (ground.on_terrain, ~ground.on_terrain):
-        its = [g for g in grasses if (g.on_terrain if here is ground.on_terrain else g.on_land)]
-        if not its:
-            continue
-        best = its[-1]
+    for here, its in (
+        (ground.on_terrain, [one for one in grasses if one.on_terrain]),
+        (~ground.on_terrain, [one for one in grasses if one.on_land]),
+    ):
         some = np.flatnonzero(here & ground.dry)
-        some = some[placement.is_seen_and_free(best, points[some])]
+        if not its or not len(some):
+            continue
+        tallest = its[-1]
+        some = some[placement.is_seen_and_free(tallest, points[some])]
         result.append(
             Placed(
-                *(best.name, points[some], ground.normals[some], ground.color[some]),
-                placement.view.distances(points[some]) if len(some) else np.zeros(0),
-                *(chance[some, 0].astype(float), chance[some, :4].astype(float), best.size),
+                *(tallest.name, points[some], ground.normals[some], ground.color[some]),
+                placement.view.distances(points[some]),
+                *(chance[some, 0].astype(float), chance[some, :4].astype(float), tallest.size),
             )
         )
     return result

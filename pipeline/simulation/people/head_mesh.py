@@ -327,8 +327,8 @@ BROW_LINE = ((0.050, 0.112), (0.09, 0.120), (0.145, 0.126), (0.20, 0.117), (0.24
 
 BROW_RADII = np.array([0.0075, 0.0105, 0.0098, 0.0075, 0.0040])
 
-FULL_BROWS = {False: 0.0, True: -0.2}
-"""By how much brows of grown people are thicker, without a bust and with one."""
+FINE_BROWS = 0.2
+"""By how much brows of grown people with a bust are thinner."""
 
 BROW_PALENESS = np.array([0.34, 0.12, 0.10, 0.22, 0.45])
 """Share of the skin that is seen between the hairs of a brow, from its inner end."""
@@ -348,8 +348,8 @@ def brows(head: Head) -> SkinnedPatch:
     for _ in range(4):
         found = cast_rays(field, normalized(aims - ORIGIN))
         aims = aims + (wanted - found) * [0.0, 1.0, 1.0]
-    fuller = FULL_BROWS[head.build.is_curved] * (1.0 - face.child)
-    radii = BROW_RADII * (1.0 - 0.15 * face.child + fuller)
+    fine = FINE_BROWS * head.build.is_curved * (1.0 - face.child)
+    radii = BROW_RADII * (1.0 - 0.15 * face.child - fine)
     net = tube(found - np.array([0.004, 0.0, 0.0]), radii, 6)
     patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
     pale = np.interp(net.vertices[:, 2], [z for z, _ in BROW_LINE], BROW_PALENESS)

@@ -8,10 +8,11 @@ import pytest
 from pipeline.production.scenery import clumps
 from pipeline.production.scenery.birch_bark import SLIT, bark_colors
 from pipeline.production.scenery.branches import add_bark
+from pipeline.production.scenery.crown_habits import CROWNS, HABITS, habit
 from pipeline.production.scenery.furrowed_bark import RINGS, SIDES
 from pipeline.production.scenery.prototype import Shape
 from pipeline.production.scenery.species import prototype
-from pipeline.production.scenery.trees import CROWNS, HABITS, crown_skeleton, crown_tree, habit
+from pipeline.production.scenery.trees import crown_tree, grown_crown
 
 
 @pytest.mark.parametrize("kind", HABITS)
@@ -24,14 +25,14 @@ def test_variants_of_a_species_have_habits_of_their_own(kind: str) -> None:
 def test_a_leaning_tree_stands_on_its_foot() -> None:
     kind, seed = "acacia", 3 * 101 + 7
     assert habit(kind, seed).lean > 0.1
-    nodes = crown_skeleton(kind, seed)[0].nodes
+    nodes = grown_crown(kind, seed)[0].nodes
     assert np.hypot(*nodes[0, [0, 2]]) < 0.05
     top = nodes[nodes[:, 1] > 0.8 * nodes[:, 1].max()]
     assert np.hypot(*top[:, [0, 2]].mean(axis=0)) > 0.3
 
 
 def test_birch_bark_is_white_above_its_foot_and_no_mark_goes_round() -> None:
-    (skeleton, _), config = crown_skeleton("birch", 7), CROWNS["birch"]
+    (skeleton, _), config = grown_crown("birch", 7), CROWNS["birch"]
     color = bark_colors(skeleton, config.foot, config.bark, np.random.default_rng(1))
     light = color.mean(axis=1)
     trunk = (skeleton.radii > 0.5 * config.foot) & (skeleton.nodes[:, 1] > 1.2)
@@ -57,7 +58,7 @@ def test_a_far_tree_is_a_clump_of_smaller_ones() -> None:
 
 
 def test_near_trunks_have_furrows_and_pieces_that_meet() -> None:
-    skeleton, _ = crown_skeleton("oak", 7)
+    skeleton, _ = grown_crown("oak", 7)
     shape = Shape()
     colors = np.ones((len(skeleton.nodes), 3))
     add_bark(shape, skeleton, colors, 0.9 * skeleton.radii.max(), 7, 0.0)
@@ -76,7 +77,7 @@ def test_near_trunks_have_furrows_and_pieces_that_meet() -> None:
 
 
 def test_a_lobe_of_a_crown_faces_away_from_its_own_middle() -> None:
-    skeleton, lobes = crown_skeleton("oak", 7)
+    _, lobes = grown_crown("oak", 7)
     assert len(lobes.middles) == habit("oak", 7).lobes
     places = lobes.middles + lobes.radii[:, None] * [0.0, 0.5, 0.0]
     np.testing.assert_allclose(lobes.out(places)[:, 1], 0.5, atol=0.25)
@@ -87,4 +88,3 @@ def test_a_lobe_of_a_crown_faces_away_from_its_own_middle() -> None:
     sides = np.abs(way[:, 1]) < 0.3
     # Leaves beside the middle of a lobe face sideways, out of it, wherever they are in the crown.
     assert (normals[sides] * way[sides]).sum(axis=1).mean() > 0.4
-    assert skeleton.radii.max() == habit("oak", 7).foot

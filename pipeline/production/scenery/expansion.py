@@ -17,7 +17,7 @@ from pipeline.simulation.spatial import Array
 from render.config import Material
 from render.shot import Mesh
 
-FOLIAGE = Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.5)
+FOLIAGE = Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.5, sheen=0.7)
 """Of leaves and blades; their colours are those of the vertices."""
 
 SOLID = Material(color=(1.0, 1.0, 1.0), roughness=0.95)

@@ -31,17 +31,17 @@ TIER = 0.42
 BOUGH = (0.36, 0.82)
 """Least and greatest distance of the middle of a lobe from that of the crown."""
 
-LEVELS = ((1.0, 1.0, 7, 4), (1.0, 1.0, 5, 2), (0.68, 1.4, 4, 1), (0.16, 3.0, 3, 1))
+LEVELS = ((1.0, 1.0, 7, 4), (1.0, 1.0, 5, 2), (0.85, 1.22, 4, 1), (0.11, 3.6, 3, 1))
 """Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
 leaf."""
 
 FURROWED = 0.4
 """Radius relative to the foot from which the branches of near trees have furrows."""
 
-SPRAY = (7, 5, 3, 1)
+SPRAY = (9, 7, 5, 2)
 """Leaves of a shoot by level of detail."""
 
-SHOOT = 0.62
+SHOOT = 0.74
 """Distance between the leaves of a shoot relative to their length."""
 
 OPENED = (0.9, 1.15)

@@ -8,6 +8,9 @@ from pipeline.production.scenery.prototype import UP, Prototype, Shape, add_leav
 from pipeline.production.scenery.trees import CALM
 from pipeline.simulation.spatial import Array
 
+TWIGS = ((0.16, 1.0), (0.22, -1.0), (0.42, 1.0), (0.48, -1.0), (0.68, 1.0), (0.74, -1.0))
+"""Twigs of the second order on sprays that are not close: where they part, and to which side."""
+
 
 def spruce(seed: int, level: int) -> Prototype:
     """Return a spruce: branches that hang and rise to their tips, with sprays of needles."""
@@ -40,20 +43,30 @@ def spruce(seed: int, level: int) -> Prototype:
         )
 
     place = on_branch(along)
-    green, tip = np.array([0.080, 0.122, 0.056]), np.array([0.175, 0.228, 0.092])
+    green, tip = np.array([0.098, 0.142, 0.062]), np.array([0.205, 0.260, 0.100])
     color = green + along[None, :, None] ** 2 * (tip - green)
     color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
     side = np.cross(out, UP)
     spread = (1.15, 1.15, 1.3, 1.7)[level] * length[:, None] * (1.1 - 0.72 * along)
     spread = spread * rng.uniform(0.75, 1.2, spread.shape)
-    wide = (0.16, 0.26, 0.44, 1.0)[level]
+    wide = (0.16, 0.20, 0.30, 1.0)[level]
+    is_combed = level in (1, 2)
     normals = unit(out + 0.75 * UP)
     for sign in (-1.0, 1.0):
         way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.34, 0.0]
         way = unit(way + 0.2 * rng.normal(size=place.shape))
         twig = 0.62 * spread
         _add_sprays(shape, place, way, twig, wide, color, normals)
-        if level == 0:
+        if is_combed:
+            # Twigs of the second order are one triangle each: their tips make a ragged outline.
+            for s, turn in TWIGS:
+                inner = place + (s * twig)[..., None] * way
+                aside = unit(np.cross(way, UP))
+                fork = unit(0.8 * way + turn * aside - [0.0, 0.3, 0.0])
+                fork = fork + 0.15 * rng.normal(size=place.shape)
+                short = (0.95 - 0.6 * s) * 0.62 * twig
+                _add_sprays(shape, inner, fork, short, 1.1 * wide, color, normals, triangles=1)
+        elif level == 0:
             # Near ones show the twigs of the second order, which hang more.
             for s, turn in ((0.28, 1.0), (0.34, -1.0), (0.56, 1.0), (0.62, -1.0)):
                 inner = place + (s * twig)[..., None] * way
@@ -84,7 +97,14 @@ def spruce(seed: int, level: int) -> Prototype:
 
 
 def _add_sprays(
-    shape: Shape, place: Array, way: Array, size: Array, wide: float, color: Array, normals: Array
+    shape: Shape,
+    place: Array,
+    way: Array,
+    size: Array,
+    wide: float,
+    color: Array,
+    normals: Array,
+    triangles: int = 2,
 ) -> None:
     """Add sprays (N, S) of needles that grow from places (N, S, 3)."""
     n, s = place.shape[:2]
@@ -93,4 +113,7 @@ def _add_sprays(
     shade = np.repeat(normals, s, axis=0)
     face = np.tile(UP, (n * s, 1))
     ways = np.broadcast_to(way, (n, s, 3)).reshape(-1, 3)
-    add_leaves(shape, place.reshape(-1, 3), ways, face, lengths, wide * lengths, colors, shade)
+    add_leaves(
+        *(shape, place.reshape(-1, 3), ways, face, lengths, wide * lengths, colors, shade),
+        triangles=triangles,
+    )

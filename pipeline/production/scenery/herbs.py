@@ -214,7 +214,7 @@ def _add_lobes(
     start = bases[:, None] + (size[:, None] * t)[..., None] * way[:, None]
     # They hang down a little towards the tip.
     start = start - (0.16 * size[:, None] * t * t)[..., None] * UP
-    long = 0.19 * size[:, None] * (1.15 - t) ** 0.8
+    long = 0.13 * size[:, None] * (1.15 - t) ** 0.8
     shades = np.repeat(color, LOBES, axis=0)
     normals = np.repeat(unit(face + 0.4 * UP), LOBES, axis=0)
     for sign in (-1.0, 1.0):
@@ -245,7 +245,7 @@ def fern(seed: int, level: int) -> Prototype:
         along = unit(np.gradient(rachis, axis=0) if each > 1 else ahead[None])
         side = unit(np.cross(along, UP))
         face = np.cross(side, along)
-        size = 0.34 * length * np.sin(np.pi * (0.12 + 0.88 * t) ** 0.75)
+        size = 0.30 * length * np.sin(np.pi * (0.12 + 0.88 * t) ** 0.75)
         green = np.array([0.165, 0.235, 0.062]) * rng.uniform(0.75, 1.2)
         color = green * (0.75 + 0.5 * t)[:, None]
         for sign in (-1.0, 1.0):
@@ -253,7 +253,7 @@ def fern(seed: int, level: int) -> Prototype:
             if is_close:
                 _add_lobes(shape, rachis, unit(way), face, size, color)
                 continue
-            wide = (0.22 if level == 0 else 0.30 if level == 1 else 0.55) * size
+            wide = (0.15 if level == 0 else 0.20 if level == 1 else 0.42) * size
             add_leaves(shape, rachis, way, face, size, wide, color, unit(face + 0.4 * UP))
         if is_close:
             add_tubes(

@@ -19,7 +19,7 @@ from render.errors import device_memory_errors
 from render.frame import Frame, Image, LensBlur, LightLayers
 from render.passes.pass_images import PassImages
 from render.shot import Shot
-from render.sky_specks import without_specks
+from render.specks import without_specks
 
 if TYPE_CHECKING:
     from render.mitsuba_scene import MitsubaScene

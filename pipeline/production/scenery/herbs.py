@@ -341,7 +341,7 @@ def maize(seed: int, level: int) -> Prototype:
 def fallen_leaves(seed: int, level: int) -> Prototype:
     """Return leaves of autumn that lie within 0.6 m."""
     rng, shape = np.random.default_rng([seed, 53]), Shape()
-    bends, level = _close(level)
+    level = max(level - 1, 0)
     n = (22, 13, 6)[level]
     base = rng.normal(0, 0.17, (n, 3)) * [1, 0, 1] + [0, 0.008, 0]
     way = rng.normal(size=(n, 3)) * [1, 0.22, 1]
@@ -351,6 +351,7 @@ def fallen_leaves(seed: int, level: int) -> Prototype:
     )
     color = palette[rng.integers(0, 4, n)] * rng.uniform(0.6, 1.2, (n, 1))
     size = 0.038 * rng.uniform(0.6, 1.25, n) * (1.0, 1.3, 1.9)[level]
+    bends = (4, 4, 2)[level]
     add_leaves(shape, base, way, face, size, 0.6 * size, color, fold=0.22, triangles=bends)
     return shape.prototype()
 

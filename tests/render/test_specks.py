@@ -1,11 +1,11 @@
-"""Sky specks: single pixels of the sky between leaves."""
+"""Specks: single pixels of the sky between leaves, and of another colour."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from render.frame import LightLayers
-from render.sky_specks import without_specks
+from render.specks import without_specks
 
 
 def layers(sky: np.ndarray) -> LightLayers:
@@ -61,3 +61,27 @@ def test_lamps_and_stars_stay() -> None:
     night.air[:] = 0.01
     night.air[4, 4] = 1.0
     assert without_specks(night).air[4, 4, 0] == 1.0
+
+
+def test_single_petals_take_the_colour_of_the_grass_and_keep_their_light() -> None:
+    grass = layers(np.zeros((16, 16)))
+    spotted = layers(np.zeros((16, 16)))
+    spotted.albedo[5, 5], spotted.direct[5, 5] = 0.8, 8 * 0.02
+    spotted.albedo[9, 9], spotted.direct[9, 9] = 0.05, 0.5 * 0.02
+    # A blade of a pixel's width and a spot of two by two go on.
+    spotted.albedo[12, 2:12] = spotted.albedo[2:4, 10:12] = 0.8
+    after = without_specks(spotted)
+    for at in ((5, 5), (9, 9)):
+        np.testing.assert_allclose(after.albedo[at], grass.albedo[at], rtol=1e-6)
+        np.testing.assert_allclose(after.direct[at], grass.direct[at], rtol=1e-5)
+    changed = np.any(after.albedo != spotted.albedo, axis=-1)
+    assert set(zip(*np.nonzero(changed), strict=True)) <= {(5, 5), (9, 9), (12, 2), (12, 11)}
+
+
+def test_colours_beside_the_sky_stay() -> None:
+    sky = np.zeros((16, 16))
+    sky[6, 5] = 1.0
+    before = layers(sky)
+    before.air[:] = 0.1
+    before.albedo[5, 5] = 0.8
+    np.testing.assert_array_equal(without_specks(before).albedo, before.albedo)

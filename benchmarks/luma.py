@@ -33,6 +33,8 @@ MEDIAN, BRIGHT = (0.25, 0.55), (0.85, 0.97)
 def main(names: list[str], folder: Path | None, size: str) -> None:
     """Measure and print."""
     renderer, broken = Renderer(choose()), 0
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         shorter = [
             f"duration={SECONDS}",

@@ -35,6 +35,20 @@ def hinge(x: Array, width: Array | float) -> Array:
     return np.where(x <= -width, 0.0, np.where(x >= width, x, rounded))
 
 
+def hermite(a: Array, b: Array, t_a: Array, t_b: Array, u: Array) -> Array:
+    """Evaluates the cubic from `a` with tangent `t_a` to `b` with tangent `t_b`.
+
+    Args:
+        a: (..., m) where it begins.
+        b: (..., m) where it ends.
+        t_a: (..., m) derivative by `u` at the beginning.
+        t_b: (..., m) derivative by `u` at the end.
+        u: (..., 1) from 0 to 1.
+    """
+    result: Array = a + (b - a) * u * u * (3.0 - 2.0 * u)
+    return result + u * (1.0 - u) * ((1.0 - u) * t_a - u * t_b)
+
+
 def cyclic(values: Array, phase: Array | float) -> Array:
     """Evaluates a closed cubic spline through equally spaced `values` at `phase`.
 

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import hermite
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.leg_forces import AttitudeState
@@ -120,7 +121,7 @@ class SwingPath:
         u = (s - SWING_KNOTS[k])[:, None] / span
         points, slopes = self._knots
         a, b = points[k, legs], points[k + 1, legs]
-        return _hermite(u, a, b, span * slopes[k, legs], span * slopes[k + 1, legs])
+        return hermite(a, b, span * slopes[k, legs], span * slopes[k + 1, legs], u)
 
     def restarted(
         self,
@@ -211,12 +212,6 @@ class TrunkPitch:
 
 NO_PITCH = TrunkPitch()
 """Of a body on its feet."""
-
-
-def _hermite(u: Array, a: Array, b: Array, m_a: Array, m_b: Array) -> Array:
-    """Return the cubic from a to b with slopes m_a and m_b."""
-    v = 1.0 - u
-    return v * v * ((1.0 + 2.0 * u) * a + u * m_a) + u * u * ((1.0 + 2.0 * v) * b - v * m_b)
 
 
 def flight_swing(

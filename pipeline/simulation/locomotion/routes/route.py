@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.simulation.curves import hermite
 from pipeline.simulation.spatial import Array
 from pipeline.spec.creature import Creature
 
@@ -89,7 +90,7 @@ class Route:
         # Tangents as long as the chord: nothing moves where it turns in place.
         chord = np.linalg.norm(b - a, axis=-1, keepdims=True)
         t_a, t_b = (chord * heading_vector(self.heading[k]) for k in (i, i + 1))
-        xz = _hermite(a, b, t_a, t_b, u)
+        xz = hermite(a, b, t_a, t_b, u)
         return xz, self.heading[i] + (self.heading[i + 1] - self.heading[i]) * u[:, 0]
 
     @cached_property
@@ -219,7 +220,7 @@ def spline_route(points: Sequence[Array], heading: float | None, closed: bool = 
             tangents[-1] = tangents[0] * gaps[-1] / gaps[0]
     u = np.linspace(0.0, 1.0, 8 * ENTRIES + 1)[:, None]
     pieces = [
-        _hermite(p[i], p[i + 1], gaps[i] * tangents[i], gaps[i] * tangents[i + 1], u)
+        hermite(p[i], p[i + 1], gaps[i] * tangents[i], gaps[i] * tangents[i + 1], u)
         for i in range(len(gaps))
     ]
     line = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
@@ -232,13 +233,7 @@ def connecting_route(start: tuple[Array, float], end: tuple[Array, float]) -> Ro
     chord = float(np.linalg.norm(b - a))
     u = np.linspace(0.0, 1.0, 8 * ENTRIES + 1)[:, None]
     tangents = chord * heading_vector(heading_a), chord * heading_vector(heading_b)
-    return _by_arc_length(_hermite(a, b, *tangents, u), ENTRIES)
-
-
-def _hermite(a: Array, b: Array, t_a: Array, t_b: Array, u: Array) -> Array:
-    result: Array = a + (b - a) * u * u * (3.0 - 2.0 * u)
-    result = result + u * (1.0 - u) * ((1.0 - u) * t_a - u * t_b)
-    return result
+    return _by_arc_length(hermite(a, b, *tangents, u), ENTRIES)
 
 
 def _by_arc_length(line: Array, count: int) -> Route:

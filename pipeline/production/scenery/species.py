@@ -330,7 +330,7 @@ KINDS: dict[str, Species] = {
         habitat="hedge",
         sizes=(0.35, 1.3),
     ),
-    "scrub": _shrub("scrub", 0.4, 0.75, 0.5, cover=0.3, patch=15.0),
+    "scrub": _shrub("scrub", 0.4, 0.85, 0.5, cover=0.3, patch=15.0),
     "willow scrub": _shrub("willow scrub", 0.22, 0.6, 0.5, cover=0.35),
     "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0, 3),
     "birch": _tree(partial(trees.crown_tree, "birch"), 0.005, 11.0, 2.0, 3),

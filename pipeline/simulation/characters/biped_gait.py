@@ -81,6 +81,7 @@ LATERAL_RANGE = 3.0  # distance ahead and behind within which a foot keeps to it
 DETOUR_FRACTION = 0.25  # of a swing, in which the foot moves to its own side before advancing
 RETARGET_RATE = 16.0  # [1/s] at which a swinging foot follows a changed landing place
 RETARGET_FROUDE = 1.6  # at which it does at most, after a push, in √(g l)
+HURDLE_FROUDE = 1.25  # the same, where a hurdle or its other side comes in sight
 
 
 @compiled
@@ -261,6 +262,12 @@ def _choose_landing(
     x, z = clear_of_edge(person, x, z)
     if is_stepped_over(person):
         x, z = clear_of_hurdle(person, k, x, z, heading, other_ankle(person, k))
+        # What comes in sight, or the other side of it, moves the foot without a jump, too.
+        change_x, change_z = x - person.landing_place[k, 0], z - person.landing_place[k, 2]
+        most *= HURDLE_FROUDE / RETARGET_FROUDE
+        share = min(most / max(hypotenuse(change_x, change_z), 1e-9), 1.0)
+        x = person.landing_place[k, 0] + share * change_x
+        z = person.landing_place[k, 2] + share * change_z
     y, n, is_on_deck = support_at(person, frame, vertices, x, z)
     person.landing_on_deck[k] = 1 if is_on_deck else 0
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
@@ -404,8 +411,9 @@ def _detoured(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[
     lateral_min = clearance + max(side * _leg_lean(person, 1 - k, heading), 0.0) * smoothstep(
         (1.0 - u) / DETOUR_FRACTION
     )
-    # At lift-off the foot may be anywhere.
-    shift = max(lateral_min * near * near - side * z, 0.0) * smoothstep(u / DETOUR_FRACTION)
+    # At lift-off the foot may be anywhere, and a hurdle may let it land on the other side.
+    shift = max(lateral_min * near * near - side * z, 0.0)
+    shift *= smoothstep(min(u, 1.0 - u) / DETOUR_FRACTION)
     z += side * shift
     cos, sin = math.cos(heading), math.sin(heading)
     return pivot_x + x * cos + z * sin, pivot_z - x * sin + z * cos

@@ -54,6 +54,18 @@ def test_a_runner_that_looks_aside_trips_falls_and_gets_up() -> None:
     assert pelvis[-1, 0] > 1.0
 
 
+@pytest.mark.nightly
+def test_feet_of_one_who_turns_back_over_a_slab_do_not_jump() -> None:
+    script = (
+        "  - {at: 0, who: ann, do: {go_to: [1.6, 0]}}\n"
+        "  - {at: 1.8, who: ann, do: {go_to: [-1.6, 1.2]}}\n"
+    )
+    play = crossing(-1.6, 3.2, script)
+    feet = np.stack([play.joint("ann", f"foot_{side}") for side in "lr"])
+    changes = np.diff(feet, n=2, axis=1) * 96
+    assert np.linalg.norm(changes, axis=-1).max() < 4.0
+
+
 def test_what_an_order_is_about_is_no_hurdle() -> None:
     play = crossing(-1.4, 1.0, "  - {at: 0, who: ann, do: {sit: slab}}\n")
     assert play.records["hurdle"].max() == -1

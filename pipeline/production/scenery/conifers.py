@@ -8,8 +8,8 @@ from pipeline.production.scenery.prototype import UP, Prototype, Shape, add_leav
 from pipeline.production.scenery.trees import CALM
 from pipeline.simulation.spatial import Array
 
-TWIGS = ((0.16, 1.0), (0.22, -1.0), (0.42, 1.0), (0.48, -1.0), (0.68, 1.0), (0.74, -1.0))
-"""Twigs of the second order on sprays that are not close: where they part, and to which side."""
+TWIGS = ((0.20, 1.0), (0.26, -1.0), (0.48, 1.0), (0.54, -1.0), (0.72, 1.0), (0.78, -1.0))
+"""Twigs of the second order on a spray: where they part, and to which side."""
 
 
 def spruce(seed: int, level: int) -> Prototype:
@@ -50,30 +50,20 @@ def spruce(seed: int, level: int) -> Prototype:
     spread = (1.15, 1.15, 1.3, 1.7)[level] * length[:, None] * (1.1 - 0.72 * along)
     spread = spread * rng.uniform(0.75, 1.2, spread.shape)
     wide = (0.16, 0.20, 0.30, 1.0)[level]
-    is_combed = level in (1, 2)
     normals = unit(out + 0.75 * UP)
     for sign in (-1.0, 1.0):
         way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.34, 0.0]
         way = unit(way + 0.2 * rng.normal(size=place.shape))
         twig = 0.62 * spread
         _add_sprays(shape, place, way, twig, wide, color, normals)
-        if is_combed:
-            # Twigs of the second order are one triangle each: their tips make a ragged outline.
-            for s, turn in TWIGS:
-                inner = place + (s * twig)[..., None] * way
-                aside = unit(np.cross(way, UP))
-                fork = unit(0.8 * way + turn * aside - [0.0, 0.3, 0.0])
-                fork = fork + 0.15 * rng.normal(size=place.shape)
-                short = (0.95 - 0.6 * s) * 0.62 * twig
-                _add_sprays(shape, inner, fork, short, 1.1 * wide, color, normals, triangles=1)
-        elif level == 0:
-            # Near ones show the twigs of the second order, which hang more.
-            for s, turn in ((0.28, 1.0), (0.34, -1.0), (0.56, 1.0), (0.62, -1.0)):
-                inner = place + (s * twig)[..., None] * way
-                aside = unit(np.cross(way, UP))
-                fork = way + turn * 0.95 * aside - [0.0, 0.35, 0.0]
-                fork = fork + 0.15 * rng.normal(size=place.shape)
-                _add_sprays(shape, inner, fork, 0.5 * (1.05 - s) * twig, 0.30, color, normals)
+        # Twigs of the second order hang more; their tips make a ragged outline.
+        for s, turn in TWIGS[: (4, 4, 6, 0)[level]]:
+            inner = place + (s * twig)[..., None] * way
+            fork = unit(0.9 * way + turn * unit(np.cross(way, UP)) - [0.0, 0.33, 0.0])
+            fork = fork + 0.15 * rng.normal(size=place.shape)
+            short = (0.56 - 0.42 * s) * twig
+            slim, folded = (0.30, 0.22, 0.33, 0.0)[level], 2 if level == 0 else 1
+            _add_sprays(shape, inner, fork, short, slim, color, normals, triangles=folded)
     # The end of each branch.
     last, tip_wide = 0.3 * length[:, None], (0.2, 0.22, 0.4, 0.5)[level]
     _add_sprays(shape, place[:, -1:], out[:, None], last, tip_wide, color[:, -1:], normals)

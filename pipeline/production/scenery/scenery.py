@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -41,7 +42,7 @@ LEAST_COVER = 0.55
 FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.3
 """Length of a camera's path for which the budget doubles [m], and its greatest factor."""
 
-MAX_TRIANGLES = 6_000_000
+MAX_TRIANGLES = 7_000_000
 """Triangles beyond which an author's own densities are refused."""
 
 TRIANGLE_BYTES = 215
@@ -139,7 +140,9 @@ def _off(placed: Placed, plots: Sequence[Plot]) -> Placed:
 
 
 def _check_size(every: Sequence[Placed], detail: float) -> None:
-    counts = {placed.name: int(triangle_counts(placed, detail).sum()) for placed in every}
+    counts: Counter[str] = Counter()
+    for placed in every:
+        counts[placed.name] += int(triangle_counts(placed, detail).sum())
     total = sum(counts.values())
     if total <= MAX_TRIANGLES:
         return

@@ -76,15 +76,16 @@ class _Specks:
         least, most = np.partition(near, (MOST_ALIKE, -1 - MOST_ALIKE), axis=0)[
             [MOST_ALIKE, -1 - MOST_ALIKE]
         ]
-        is_bright = own > CONTRAST * most
-        is_speck = is_bright | (CONTRAST * own < least)
+        found = np.flatnonzero((own > CONTRAST * most) | (CONTRAST * own < least))
+        own, near, least, most = own[found], near[:, found], least[found], most[found]
+        is_bright = own > most
         bound = np.where(is_bright, most, least)
         unlike = np.where(is_bright, near <= most, near >= least)
         share = (unlike / unlike.sum(axis=0)).astype(np.float32)
-        other = (near * share).sum(axis=0)
-        part = np.divide(own - bound, own - other, out=np.zeros_like(own), where=is_speck)
-        every = _Specks(y, x, near_y, near_x, share, part, is_bright)
-        return every.chosen(is_speck)
+        part = (own - bound) / (own - (near * share).sum(axis=0))
+        return _Specks(
+            *(y[found], x[found], near_y[:, found], near_x[:, found], share, part, is_bright)
+        )
 
     def chosen(self, which: NDArray[np.bool_]) -> _Specks:
         """Return some of them (N,)."""

@@ -131,7 +131,7 @@ def _levels(placed: Placed, detail: float) -> NDArray[np.int64]:
     """Return the level of detail of each thing: larger ones are finer."""
     species = KINDS[placed.name]
     if species.layer != "cover":
-        # Their leaves are single in frames 1280 pixels wide; finer levels would only take memory.
+        # What stands is fine enough in frames 1280 pixels wide: more would only take memory.
         detail = min(detail, 1.0)
     apparent = placed.distances / (detail * np.maximum(_sizes(placed), 0.3))
     if species.layer == "solid" and species.sizes[1] < 1.0:

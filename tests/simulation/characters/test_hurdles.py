@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.simulation.characters.scripted_people import Play, play_scene
+from tests.simulation.characters.scripted_people import STEPS, Play, play_scene
 
 SLAB = "{name: slab, prop: {shape: box, size: [0.25, 0.15, 1.2]}, at: [0, 0.075, 0]}"
 HALF_DEPTH, RISE = 0.125, 0.15
@@ -62,7 +62,7 @@ def test_feet_of_one_who_turns_back_over_a_slab_do_not_jump() -> None:
     )
     play = crossing(-1.6, 3.2, script)
     feet = np.stack([play.joint("ann", f"foot_{side}") for side in "lr"])
-    changes = np.diff(feet, n=2, axis=1) * 96
+    changes = np.diff(feet, n=2, axis=1) * STEPS
     assert np.linalg.norm(changes, axis=-1).max() < 4.0
 
 

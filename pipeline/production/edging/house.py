@@ -37,6 +37,10 @@ PLASTERS = ("ochre", "rose", "cream", "grey", "sage", "white", "brick", "straw")
 WOODS = ("shutter green", "shutter blue", "shutter brown", "shutter grey")
 """Paints of shutters and doors."""
 
+SURROUND, SHUTTER_GAP = 0.15, 0.03
+"""Width of the stone beside an opening, and least space between shutters of neighbours, halved [m].
+"""
+
 ROOFS = ("tile red", "tile brown", "tile dark")
 """Tiles, mixed on each roof."""
 
@@ -231,13 +235,18 @@ class House(Facade):
             self.flowers.append(self.at((along, sill + 0.13, 0.1)))
 
     def _shutters(self, middle: float, up: float, wide: float, tall: float, wood: str) -> None:
-        """Add open shutters on both sides of a window."""
-        leaf = 0.5 * wide
+        """Add open shutters on both sides of a window, folded where the wall is narrow."""
+        room = 0.5 * (self.size[0] / self.bays - wide) - SURROUND - SHUTTER_GAP
+        count = next((n for n in (1, 2) if 0.4 * wide <= n * room), None)
+        if count is None:
+            return
+        leaf, thick = min(0.5 * wide / count, room), 0.05 * count
         for side in (-1.0, 1.0):
-            at = middle + side * (0.5 * wide + 0.15 + 0.5 * leaf)
-            self.add(wood, (at, up, 0.04), (leaf, tall, 0.05))
+            at = middle + side * (0.5 * wide + SURROUND + 0.5 * leaf)
+            self.add(wood, (at, up, 0.015 + 0.5 * thick), (leaf, tall, thick))
             for t in (-0.36, 0.0, 0.36):
-                self.add(wood, (at, up + t * tall, 0.075), (leaf - 0.12, 0.26 * tall, 0.03))
+                panel = (at, up + t * tall, 0.025 + thick)
+                self.add(wood, panel, (leaf - min(0.12, 0.4 * leaf), 0.26 * tall, 0.03))
 
     def _awning(self, middle: float, up: float, wide: float) -> None:
         """Add a striped awning over a shop window."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.cords import APART, PENNANT_SAG, pennant, pennants
-from pipeline.production.edging.facade import RAILED, WINDOWS
+from pipeline.production.edging.facade import RAILED, WINDOWS, bays
 from pipeline.production.edging.house import House
 from pipeline.production.edging.house_materials import (
     AFTER_DARK,
@@ -33,6 +35,42 @@ def house(**others: Any) -> dict[str, np.ndarray]:
 def test_tall_windows_have_rails_and_others_have_none() -> None:
     for number, (_, low, _) in enumerate(WINDOWS):
         assert ("edging iron" in house(windows=number)) == (low < RAILED)
+
+
+class Boxes(Carpentry):
+    """Keeps the boxes that it is given."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.given: list[tuple[str, np.ndarray, np.ndarray]] = []
+
+    def add(self, material: str, at: Any, size: Any, *others: Any) -> None:
+        """Keep one box."""
+        self.given.append((material, np.asarray(at), np.asarray(size)))
+        super().add(material, at, size, *others)
+
+
+@pytest.mark.parametrize("windows", range(len(WINDOWS)))
+@pytest.mark.parametrize("width", [7.0, 8.3, 9.2])
+def test_open_shutters_leave_those_of_neighbours_alone(windows: int, width: float) -> None:
+    boxes, tall = Boxes(), WINDOWS[windows][2] - WINDOWS[windows][1]
+    rng = np.random.default_rng(3)
+    more = {"windows": windows, "shuttered": 1.0}
+    House(boxes, np.zeros(2), 0.0, (width, 8.0), 2, 0.3, -0.1, rng, 1, **more).build()
+    leaves = [
+        (at, size)
+        for material, at, size in boxes.given
+        if "shutter" in material and np.isclose(size[1], tall) and at[2] > 0.0
+    ]
+    if width / bays(width) - WINDOWS[windows][0] < 0.8:
+        # There is no room for any.
+        assert not leaves
+        return
+    assert len(leaves) >= 4
+    edges = sorted((at[0] - 0.5 * size[0], at[0] + 0.5 * size[0]) for at, size in leaves)
+    assert all(low - high > 0.05 for (_, high), (low, _) in pairwise(edges))
+    assert -0.5 * width < edges[0][0]
+    assert edges[-1][1] < 0.5 * width
 
 
 def test_dormers_stand_out_of_the_roof_above_the_wall() -> None:

@@ -45,6 +45,7 @@ from pipeline.simulation.people.skinned_surface import (
     symmetric_field,
     with_mirror,
 )
+from pipeline.simulation.people.tints import BLUSH
 from pipeline.simulation.spatial import Array
 
 ARM = (
@@ -54,11 +55,11 @@ ARM = (
     (0.585, 0.004, 0.0252, 0.0214, 0.0240),
     (0.612, 0.002, 0.0232, 0.0208, 0.0222),
     (0.632, -0.001, 0.0192, 0.0216, 0.0198),
-    (0.655, 0.000, 0.0202, 0.0212, 0.0198),
-    (0.695, 0.005, 0.0252, 0.0230, 0.0222),
-    (0.725, 0.003, 0.0252, 0.0246, 0.0224),
-    (0.745, 0.001, 0.0238, 0.0243, 0.0220),
-    (0.770, 0.001, 0.0236, 0.0232, 0.0222),
+    (0.655, 0.000, 0.0208, 0.0218, 0.0202),
+    (0.695, 0.005, 0.0264, 0.0242, 0.0232),
+    (0.725, 0.003, 0.0272, 0.0264, 0.0240),
+    (0.745, 0.001, 0.0270, 0.0272, 0.0242),
+    (0.770, 0.001, 0.0268, 0.0264, 0.0242),
 )
 """Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
 
@@ -95,7 +96,26 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     arm = SkinnedPatch(
         surface.vertices, surface.faces, frames, np.where(low_part, hand, forearm), crease=crease
     )
-    return with_mirror(merge_patches([on_twisted_arm(build, arm), *fingers(build)]))
+    whole = merge_patches([on_twisted_arm(build, arm), *fingers(build)])
+    return with_mirror(replace(whole, tint=_flushed_arm(build, whole)))
+
+
+KNUCKLES, KNUCKLE_FLUSH, ELBOW_FLUSH, HAND_FLUSH = (0.410, 0.433, 0.008), 0.75, 0.70, 0.25
+"""Heights of the middle joints and of the knuckles of a hand, and how far around them it is
+flushed [girths]; shares of the colour of flushed skin there, behind an elbow, and on a hand."""
+
+
+def _flushed_arm(build: BodyMeasures, limb: SkinnedPatch) -> Array:
+    """Return the tint (V, 2) of a bare right arm: red on hands, knuckles and elbows."""
+    g, (x, y, z) = build.girth, limb.vertices.T
+    *levels, reach = KNUCKLES
+    hand = ramp(y, build.level(0.500), build.level(0.460))
+    near = [np.exp(-(((y - build.level(one)) / (reach * g)) ** 2)) for one in levels]
+    outer = ramp(z, build.shoulders - 0.004 * g, build.shoulders + 0.008 * g)
+    knuckles = KNUCKLE_FLUSH * hand * outer * np.max(near, axis=0)
+    elbow = np.exp(-(((y - build.level(ELBOW)) / (0.030 * g)) ** 2)) * ramp(-x / g, 0.0, 0.020)
+    share = np.max([HAND_FLUSH * hand, knuckles, ELBOW_FLUSH * elbow], axis=0)
+    return np.stack([np.full(len(y), float(BLUSH)), share], axis=-1)
 
 
 SLEEVED, IN_SLEEVE = ((0.7115, 0.7235), (0.500, 0.512)), 0.007
@@ -313,4 +333,17 @@ def bare_shins(build: BodyMeasures) -> SkinnedPatch:
     patch = surface.follow("thigh_r", "shin_r", share)
     normals = vertex_normals(patch.vertices, patch.faces)
     crease = hinge_creases(build, BARE_KNEE, patch.vertices, normals, z)
-    return with_mirror(replace(patch, crease=crease))
+    return with_mirror(replace(patch, crease=crease, tint=_flushed_shin(build, patch)))
+
+
+KNEE_FLUSH, FOOT_FLUSH = 0.70, 0.30
+"""Shares of the colour of flushed skin on a bare knee and above a foot."""
+
+
+def _flushed_shin(build: BodyMeasures, limb: SkinnedPatch) -> Array:
+    """Return the tint (V, 2) of a bare leg: red on the knee and towards the foot."""
+    g, (x, y, _) = build.girth, limb.vertices.T
+    knee = np.exp(-(((y - build.level(0.292)) / (0.028 * g)) ** 2)) * ramp(x / g, 0.0, 0.028)
+    foot = ramp(y, build.level(0.150), build.level(0.050))
+    share = np.maximum(KNEE_FLUSH * knee, FOOT_FLUSH * foot)
+    return np.stack([np.full(len(y), float(BLUSH)), share], axis=-1)

@@ -58,9 +58,8 @@ SHORT_SLEEVE = (Gather(0.748, 0.032, 0.034, 0.0036, slant=-0.3, run=1.2, front=(
 SHIRT = (
     Gather(0.610, 0.048, 0.038, 0.0062, slant=0.45, run=0.75),
     Gather(0.735, 0.044, 0.042, 0.0036, slant=0.2, run=-1.0, front=(1.0, 0.8)),
-    Gather(0.532, 0.034, 0.080, 0.0050, slant=1.2, run=2.2),
 )
-"""Of a shirt: at the waist, towards the armpits, and down to the hem."""
+"""Of a shirt: at the waist and towards the armpits; free hems have `HangingFolds` as well."""
 
 LEG = (
     Gather(0.076, 0.028, 0.032, 0.0088, slant=-0.60, run=0.5, front=(1.0, 0.6)),
@@ -110,6 +109,42 @@ def folded(cloth: Field, depth: Field) -> Field:
         return np.asarray(cloth(places) + depth(places))
 
     return distance
+
+
+@dataclass(frozen=True)
+class HangingFolds:
+    """Folds that run down cloth that hangs free, alike on both sides of a body.
+
+    Attributes:
+        top: height at which they begin [m].
+        hem: height of the hem [m].
+        count: of the folds.
+        most: their depth at the hem [m].
+        uneven: how unlike their breadths are [rad].
+    """
+
+    top: float
+    hem: float
+    count: int
+    most: float
+    uneven: float
+
+    def depth(self, places: Array) -> Array:
+        """Return how deep they press places (n, 3) inward, negative on their ridges [m]."""
+        down = self._down(places)
+        return np.asarray(self.most * down * down * np.cos(self._phase(places)))
+
+    def valley(self, places: Array) -> Array:
+        """Return how deep places (n, 3) lie in them, from 0 to 1 at the hem."""
+        deep = 0.5 + 0.5 * np.cos(self._phase(places))
+        return np.asarray(self._down(places) * deep * deep)
+
+    def _down(self, places: Array) -> Array:
+        return np.asarray(np.clip((self.top - places[:, 1]) / (self.top - self.hem), 0.0, 1.0))
+
+    def _phase(self, places: Array) -> Array:
+        around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+        return np.asarray(self.count * around + self.uneven * np.sin(3.0 * around))
 
 
 SEAM, SEAM_DEPTH, SEAM_REACH, SEAM_DARKNESS = 0.0115, 0.0012, 0.0016, 0.5

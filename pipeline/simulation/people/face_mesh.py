@@ -51,7 +51,7 @@ UPPER_LIP, LOWER_LIP, LIP_GROOVE = 0.014, 0.018, 0.009
 UPPER_LID_DEG, LOWER_LID_DEG = 17.0, 13.0
 """Heights of the skin that goes with a lid."""
 
-OPEN_UPPER, OPEN_LOWER = 0.39, 0.36
+OPEN_UPPER, OPEN_LOWER = 0.35, 0.34
 """Heights of an open eye above and below its corners, in radii of the eyeball."""
 
 SHUT_LOWER = 0.72

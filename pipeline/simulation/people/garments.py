@@ -18,7 +18,12 @@ from pipeline.simulation.people.bend_creases import (
 )
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.body_mesh import ARM, LEG, on_twisted_arm
-from pipeline.simulation.people.cloth_folds import SEAM, seam_depth, seam_shade
+from pipeline.simulation.people.cloth_folds import (
+    SEAM,
+    HangingFolds,
+    seam_depth,
+    seam_shade,
+)
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.shirt_mesh import chest_share, shirt_field, sleeve_air
 from pipeline.simulation.people.signed_distance import (
@@ -69,11 +74,10 @@ def _skirt(build: BodyMeasures, hem: float, grown: float) -> SkinnedPatch:
     stack = offset_solid(oval_stack(outline), grown * girth)
     waist, seam = build.level(0.60), seam_depth(build, end)
 
+    hanging = HangingFolds(waist, end, FOLDS, FOLD_DEPTH * girth, UNEVEN)
+
     def folded(places: Array) -> Array:
-        # Deeper towards the hem.
-        down = _below_waist(places, waist, end)
-        depth = FOLD_DEPTH * girth * down * down
-        result: Array = stack(places) + depth * np.cos(_fold_phase(places)) + seam(places)
+        result: Array = stack(places) + hanging.depth(places) + seam(places)
         return result
 
     wide = build.hips + 0.15 * girth
@@ -87,28 +91,12 @@ def _skirt(build: BodyMeasures, hem: float, grown: float) -> SkinnedPatch:
     share = falling * (0.70 + 0.20 * ramp(np.abs(z), 0.0, 0.06 * girth))
     thigh = np.where(z > 0.0, FRAMES.index("thigh_r"), FRAMES.index("thigh_l"))
     frames = np.stack([np.full(len(z), FRAMES.index("pelvis")), thigh], axis=-1)
-    shade = seam_shade(build, end, y) * (1.0 - VALLEY_DARKNESS * _valley(net.vertices, waist, end))
+    shade = seam_shade(build, end, y) * (1.0 - VALLEY_DARKNESS * hanging.valley(net.vertices))
     return SkinnedPatch(net.vertices, net.faces, frames, share, shade=shade)
 
 
 VALLEY_DARKNESS = 0.35
 """How dark the bottom of a fold of a skirt is at its hem."""
-
-
-def _valley(places: Array, waist: float, end: float) -> Array:
-    """Return how deep places (n, 3) lie in the folds of a skirt, from 0 to 1 at the hem."""
-    deep = 0.5 + 0.5 * np.cos(_fold_phase(places))
-    return np.asarray(_below_waist(places, waist, end) * deep * deep)
-
-
-def _below_waist(places: Array, waist: float, end: float) -> Array:
-    return np.asarray(np.clip((waist - places[:, 1]) / (waist - end), 0.0, 1.0))
-
-
-def _fold_phase(places: Array) -> Array:
-    """Return the phase (n,) of folds, which are not of one breadth all around."""
-    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
-    return np.asarray(FOLDS * around + UNEVEN * np.sin(3.0 * around))
 
 
 @cached_part

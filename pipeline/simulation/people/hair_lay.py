@@ -13,6 +13,7 @@ from pipeline.simulation.people.head_mesh import (
     KNOT,
     KNOT_RADIUS,
     LINE_NORMAL,
+    PARTING,
     Head,
     before_hair_line,
 )
@@ -34,8 +35,8 @@ CROWN_SIZE, CROWN_LIFT_DEG = 0.30, 6.0
 """Reach of the crown [heads], and how far hair stands off there: it is flatter than a ball, and
 chords into it would leave it bald."""
 
-PARTING, SWEPT = 0.11, 1.3
-"""How far a parting lies aside [heads], and how far short hair is combed over from it."""
+SWEPT = 1.3
+"""How far short hair is combed over from a parting."""
 
 NAPE, NAPE_SPAN = 0.40, (0.12, -0.15)
 """Share of its length to which short hair is cut beside the ears and in the nape, and heights

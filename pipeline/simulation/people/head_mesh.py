@@ -118,13 +118,16 @@ def head_skin(head: Head) -> SkinnedPatch:
     patch = Surface(places, grid.faces).follow("head", "chest", 1.0 - share)
     skin = FaceSkin(grid.vertices, grid.jaw, grid.closing, grid.lid, grid.upper)
     shade = _skin_shade(head.face, grid)
-    return replace(_with_units(head, patch, skin), tint=_skin_tint(head.face, grid), shade=shade)
+    bare, child = LIP_SHARES
+    red = bare + (child - bare) * head.build.childish
+    tint = _skin_tint(head.face, grid, max(red, head.build.curves))
+    return replace(_with_units(head, patch, skin), tint=tint, shade=shade)
 
 
-HOLLOW_REACH, HOLLOW_DARKNESS = 0.20, 0.62
+HOLLOW_REACH, HOLLOW_DARKNESS = 0.20, 0.70
 """Distance in which something shades skin [heads], and how dark that makes it at most."""
 
-BELOW_EYE = 0.6
+BELOW_EYE = 0.3
 """Share of such shade that is left out below the eyes: dark rings look tired."""
 
 CHIN_SHADE, CHIN_SPAN = 0.30, (-0.40, -0.55)
@@ -143,7 +146,7 @@ def _skin_shade(face: FaceShape, grid: FaceGrid) -> Array:
     below = CHIN_SHADE * ramp(p[:, 1], *CHIN_SPAN)
     rings = np.exp(-(((p[:, 1] - face.eye[0][1] + 0.075) / 0.055) ** 2))
     closed = closed * (1.0 - BELOW_EYE * rings * ramp(np.abs(p[:, 2]), 0.05, 0.10))
-    return (1.0 - HOLLOW_DARKNESS * ramp(closed, 0.03, 0.75)) * (1.0 - below)
+    return (1.0 - HOLLOW_DARKNESS * ramp(closed, 0.03, 0.65)) * (1.0 - below)
 
 
 def _with_units(head: Head, patch: SkinnedPatch, skin: FaceSkin) -> SkinnedPatch:
@@ -162,8 +165,29 @@ LASH_LINE, LASH_SPAN, LASH_SHARE, LOWER_LASH_SHARE = 0.97, (0.62, 0.95), 0.85, 0
 lashes make the upper and the lower margin."""
 
 
-def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
-    """Return the number and share (V, 2) of the tint of the skin of a head."""
+def _flushed(drop: float) -> tuple[tuple[float, ...], ...]:
+    """Return the flushed places of a face: share, least X, height, place aside, breadth, height."""
+    return (
+        (0.80, 0.10, -0.115 + drop, 0.180, 0.095, 0.075),
+        (0.80, 0.37, -0.140, 0.0, 0.060, 0.055),
+        (0.35, 0.20, -0.430, 0.0, 0.090, 0.060),
+        (0.30, 0.20, 0.075 + drop, 0.100, 0.110, 0.035),
+    )
+
+
+LIP_SHARES = 0.55, 0.75
+"""Shares of the colour of lips of grown people without a bust, and of children: lips are painted
+otherwise."""
+
+
+def _skin_tint(face: FaceShape, grid: FaceGrid, red: float) -> Array:
+    """Return the number and share (V, 2) of the tint of the skin of a head.
+
+    Args:
+        face: of the head.
+        grid: its skin.
+        red: share of the colour of lips.
+    """
     p, c = grid.vertices, face.child
     aside = np.abs(p[:, 2])
     drop = -face.drop
@@ -171,9 +195,8 @@ def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
     def spot(x: float, y: float, z: float, wide: float, high: float) -> Array:
         return np.exp(-(((aside - z) / wide) ** 2) - ((p[:, 1] - y) / high) ** 2) * (p[:, 0] > x)
 
-    cheeks = 0.6 * spot(0.1, -0.10 + drop, 0.17, 0.085, 0.075)
-    blush = np.maximum(cheeks, 0.55 * spot(0.37, -0.135, 0.0, 0.055, 0.05))
-    rings = 0.7 * spot(0.15, -0.060 + drop, 0.150, 0.085, 0.042)
+    blush = np.max([share * spot(*place) for share, *place in _flushed(drop)], axis=0)
+    rings = 0.25 * spot(0.15, -0.060 + drop, 0.150, 0.085, 0.042)
     nostril = spot(0.34, -0.176, 0.030 - 0.006 * c, 0.016, 0.013)
     hollow = np.maximum(grid.hollow, 0.8 * nostril)
     tint = np.stack([np.full(len(p), float(BLUSH)), blush], axis=-1)
@@ -182,7 +205,7 @@ def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
         grid.lid < -LASH_LINE, LOWER_LASH_SHARE, 0.0
     )
     tint[rings > blush] = np.stack([np.full(len(p), float(PALE)), rings], axis=-1)[rings > blush]
-    for number, share in ((LIP, grid.lips), (HOLLOW, hollow), (LASH, lash)):
+    for number, share in ((LIP, red * grid.lips), (HOLLOW, hollow), (LASH, lash)):
         tint[share > 0.04] = np.stack([np.full(len(p), number), share], axis=-1)[share > 0.04]
     return tint
 
@@ -262,7 +285,7 @@ def ears(head: Head) -> SkinnedPatch:
     shape = smooth_difference(solids, bowl, 0.018)
     net = polygonise(shape, (-0.15, -0.20, 0.24), (0.06, 0.13, 0.42), 0.026)
     patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
-    red = np.stack([np.full(len(net.vertices), float(BLUSH)), np.full(len(net.vertices), 0.35)], -1)
+    red = np.stack([np.full(len(net.vertices), float(BLUSH)), np.full(len(net.vertices), 0.65)], -1)
     return with_mirror(replace(patch, tint=red))
 
 
@@ -272,7 +295,7 @@ EYE_RINGS_DEG = np.array([7.0, 13.5, 15.5, 20.0, 27.0, 28.0, 31.5, 33.0, 50.0, 6
 PUPIL_DEG, IRIS_DEG, LIMBUS_DEG = 14.5, 27.5, 32.0
 """Ends of pupil, iris and its dark edge: lids cover some of an iris, above and below."""
 
-LID_SHADE, CORNER_SHADE = 0.60, 0.45
+LID_SHADE, CORNER_SHADE = 0.72, 0.50
 """How dark the upper lid makes an eye, and its corners."""
 
 EYE_SEGMENTS = 14
@@ -424,9 +447,10 @@ def before_hair_line(face: FaceShape, places: Array) -> Array:
 
 def _short(head: Head) -> Field:
     s, at = head.size, head.at
-    tuft = round_cone(at(0.12, 0.44, -0.12), at(0.12, 0.44, 0.12), 0.095 * s, 0.095 * s)
-    nape = ellipsoid(at(-0.27, -0.12, 0.0), s * np.array([0.20, 0.26, 0.26]))
-    cap = _hair_cap(head, (0.034, 0.050, 0.022))
+    tuft = round_cone(at(0.12, 0.45, -0.11), at(0.12, 0.45, 0.11), 0.105 * s, 0.105 * s)
+    # Cut short towards the neck: a round nape would be a helmet's.
+    nape = ellipsoid(at(-0.255, -0.085, 0.0), s * np.array([0.180, 0.225, 0.235]))
+    cap = _hair_cap(head, (0.032, 0.058, 0.016))
     return _tapered(head, smooth_union([cap, tuft, nape], 0.07 * s), hangs=False)
 
 
@@ -439,9 +463,17 @@ def _bob(head: Head) -> Field:
     back = round_cone(
         at(-0.26, 0.10, 0.0), at(-0.24, -0.36, 0.0), 0.22 * s, 0.20 * s, (1.0, 1.0, 1.45)
     )
-    return _tapered(
-        head, smooth_union([_hair_cap(head, 0.052), *sides, back], 0.09 * s), hangs=True
-    )
+    hair = smooth_union([_hair_cap(head, 0.056), *sides, back, *_curtains(head)], 0.09 * s)
+    return _tapered(head, hair, hangs=True)
+
+
+def _curtains(head: Head) -> list[Field]:
+    """Return hair that falls from a parting over both temples."""
+    s, at = head.size, head.at
+    return [
+        round_cone(at(0.235, 0.40, 0.08 * m), at(0.150, 0.13, 0.285 * m), 0.05 * s, 0.06 * s)
+        for m in (1, -1)
+    ]
 
 
 KNOT, KNOT_RADIUS = (-0.535, 0.09, 0.0), 0.150
@@ -464,9 +496,8 @@ def _long(head: Head) -> Field:
     back = round_cone(
         at(-0.27, 0.12, 0.0), at(-0.36, -0.72, 0.0), 0.21 * s, 0.11 * s, (1.0, 1.0, 1.7)
     )
-    return _tapered(
-        head, smooth_union([_hair_cap(head, 0.048), *sides, back], 0.10 * s), hangs=True
-    )
+    hair = smooth_union([_hair_cap(head, 0.052), *sides, back, *_curtains(head)], 0.10 * s)
+    return _tapered(head, hair, hangs=True)
 
 
 HAIR_STYLES: Mapping[str, Style] = {"short": _short, "bob": _bob, "bun": _bun, "long": _long}
@@ -491,7 +522,7 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     return replace(patch, tint=_hair_gloss(seen, normals), shade=_hair_shade(seen, normals))
 
 
-LOCK_DEPTH: Mapping[str, float] = {"short": 0.008, "bob": 0.007, "long": 0.008, "bun": 0.005}
+LOCK_DEPTH: Mapping[str, float] = {"short": 0.013, "bob": 0.013, "long": 0.014, "bun": 0.006}
 """By how much locks stand out and lie deeper by style, in heads."""
 
 HEM_LOCKS = 0.040
@@ -506,7 +537,7 @@ def _with_locks(places: Array, style: str) -> Array:
     """Return the surface (V, 3) of hair in locks: its outline is a helmet's otherwise."""
     # Alike on both sides; the parting is not.
     around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
-    locks = np.sin(9.0 * around + 1.3) + 0.7 * np.sin(14.0 * around + 4.0 * places[:, 1])
+    locks = _locks(places)
     # Not along the hair line, where locks would show the skull.
     kept = ramp(places[:, 0], 0.26, 0.16)
     # Away from the skull: normals of the net are not alike on both sides.
@@ -516,6 +547,47 @@ def _with_locks(places: Array, style: str) -> Array:
         ends = ramp(places[:, 1], -0.10, -0.40) * (0.6 * np.sin(5.0 * around + 0.5) + 0.5 * locks)
         moved[:, 1] += HEM_LOCKS * ends
     return np.asarray(moved)
+
+
+def _locks(places: Array) -> Array:
+    """Return how far locks stand out (V,), -1.7 between two and 1.7 on their ridges."""
+    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+    return np.asarray(np.sin(9.0 * around + 1.3) + 0.7 * np.sin(14.0 * around + 4.0 * places[:, 1]))
+
+
+PARTING, PARTING_SPAN, PARTING_BACK = 0.11, 0.045, (-0.20, 0.0)
+"""How far a parting lies aside, half its breadth, and places along X between which it begins, in
+heads."""
+
+PARTING_DEPTH, SWEPT_RISE = 0.030, 0.045
+"""Depth of a parting, and by how much hair stands higher on the side to which it is combed."""
+
+PARTING_SHADE, LOCK_SHADE = 0.35, 0.34
+"""How dark hair is in its parting, and between two locks."""
+
+
+def parted(patch: SkinnedPatch, head: Head, style: str, parting: float) -> SkinnedPatch:
+    """Return hair with a parting, and more of it on the side to which it is combed.
+
+    Args:
+        patch: hair alike on both sides.
+        head: of the person.
+        style: of the hair.
+        parting: side of the parting, -1 on the left, 1 on the right, 0 in the middle.
+    """
+    if style == "bun" or (style == "short" and parting == 0.0):
+        return patch
+    x, y, z = seen = ((patch.vertices - head.centre) / head.size).T
+    upper = ramp(y, 0.20, 0.42)
+    groove = np.exp(-(((z - PARTING * parting) / PARTING_SPAN) ** 2)) * ramp(x, *PARTING_BACK)
+    # Flat beside the parting, highest where hair is thrown over.
+    heap = np.exp(-(((-parting * z - 0.10) / 0.16) ** 2)) * ramp(x, -0.15, 0.12) * abs(parting)
+    edge = ramp(before_hair_line(head.face, seen.T), -0.02, -0.14)
+    rise = upper * edge * (SWEPT_RISE * heap - PARTING_DEPTH * groove)
+    outward = normalized(seen.T - np.array(SKULL))
+    shade = patch.shades * (1.0 - PARTING_SHADE * upper * groove)
+    moved = patch.vertices + head.size * rise[:, None] * outward
+    return replace(patch, vertices=moved, shade=shade)
 
 
 GLOSS, GLOSS_RISE, GLOSS_BREADTH = 0.20, 0.66, 0.17
@@ -543,4 +615,6 @@ def _hair_shade(places: Array, normals: Array) -> Array:
     low = ramp(places[:, 1], 0.15, -0.45)
     under = ramp(normals[:, 1], 0.1, -0.6)
     top = np.exp(-((np.linalg.norm(places - np.array(CROWN), axis=-1) / 0.30) ** 2))
-    return (1.0 - NAPE_SHADE * np.maximum(low, under)) * (1.0 - CROWN_SHADE * top)
+    between = LOCK_SHADE * ramp(_locks(places), 0.6, -1.4)
+    below = 1.0 - NAPE_SHADE * np.maximum(low, under)
+    return below * (1.0 - CROWN_SHADE * top) * (1.0 - between)

@@ -38,6 +38,7 @@ from pipeline.simulation.people.head_mesh import (
     haired,
     head_skin,
     neck_skin,
+    parted,
     teeth,
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
@@ -54,6 +55,9 @@ EYEBALL_MATERIAL = "eye white"
 
 FOLDED_COLLARS = frozenset[Garment](("tucked", "coat", "bib"))
 """Garments that go with a collar; others with a ribbed neck."""
+
+SHAVEN = 0.13
+"""Share of the colour of hair on the shaven skin of grown people without a bust."""
 
 LEAST_CREASE = 2e-5
 """Least move of a vertex in a crease that is kept [m]."""
@@ -151,7 +155,9 @@ def _cached_meshes(
         (name, _mesh(merge_patches(patches), tints))
         for name, patches in _layers(build, head, style, short_sleeves, shorts, garments, features)
     ]
-    locks = [] if style == "none" else [hair_patch(head, style)]
+    locks = []
+    if style != "none":
+        locks.append(parted(hair_patch(head, style), head, style, features.parting))
     grown = [*(length * head_hair(head, style, patch, features.parting) for patch in locks)]
     grown.append(brow_hair(head, brows(head)))
     own = [
@@ -175,7 +181,9 @@ def _layers(
     def own(patch: SkinnedPatch) -> SkinnedPatch:
         return with_features(patch, features, head.centre, head.size)
 
-    beard = 0.0 if build.childish > 0.0 else features.beard
+    # Shaven skin is darker where a beard would grow.
+    shaven = 0.0 if build.is_curved else SHAVEN
+    beard = 0.0 if build.childish > 0.0 else max(features.beard, shaven)
     scalp = head_skin(head) if style == "none" else haired(head_skin(head), head)
     face = [own(bearded(scalp, head, beard)), neck_skin(head), own(ears(head))]
     yield "skin", [*face, bare_arms(build, short_sleeves), *bare]

@@ -21,6 +21,7 @@ from pipeline.simulation.people.cloth_folds import (
     SHIRT,
     SHORT_SLEEVE,
     SLEEVE,
+    HangingFolds,
     fold_depth,
     fold_shade,
     folded,
@@ -49,17 +50,17 @@ from pipeline.simulation.people.skinned_surface import (
 from pipeline.simulation.spatial import Array
 
 TORSO = (
-    (0.490, -0.003, 0.075, 0.084, 0.112),
-    (0.520, -0.003, 0.074, 0.083, 0.111),
-    (0.545, -0.003, 0.072, 0.077, 0.107),
-    (0.570, -0.002, 0.068, 0.069, 0.097),
-    (0.590, 0.000, 0.065, 0.063, 0.090),
-    (0.605, 0.001, 0.064, 0.060, 0.087),
-    (0.640, 0.002, 0.061, 0.054, 0.084),
-    (0.680, 0.002, 0.063, 0.056, 0.086),
-    (0.720, 0.003, 0.067, 0.060, 0.091),
-    (0.755, 0.002, 0.066, 0.062, 0.093),
-    (0.782, -0.002, 0.057, 0.057, 0.088),
+    (0.490, -0.003, 0.0710, 0.0800, 0.1095),
+    (0.520, -0.003, 0.0705, 0.0795, 0.1090),
+    (0.545, -0.003, 0.0705, 0.0765, 0.1090),
+    (0.570, -0.002, 0.0680, 0.0700, 0.1000),
+    (0.590, 0.000, 0.0655, 0.0640, 0.0930),
+    (0.605, 0.001, 0.0645, 0.0610, 0.0905),
+    (0.640, 0.002, 0.0630, 0.0565, 0.0885),
+    (0.680, 0.002, 0.0645, 0.0585, 0.0905),
+    (0.720, 0.003, 0.0680, 0.0615, 0.0945),
+    (0.755, 0.002, 0.0675, 0.0635, 0.0965),
+    (0.782, -0.002, 0.0585, 0.0585, 0.0915),
     (0.808, -0.006, 0.046, 0.048, 0.068),
     (0.824, -0.009, 0.037, 0.040, 0.046),
     (0.834, -0.010, 0.034, 0.037, 0.037),
@@ -67,6 +68,13 @@ TORSO = (
 """Outline of chest and waist in a shirt, from its hem to its collar; see `BodyMeasures.outline`."""
 
 SHIRT_HEM, TUCKED_HEM = 0.520, 0.590  # heights
+
+DRAPE, DRAPES, DRAPE_TOP, UNEVEN, STIFF = 0.0042, 6, 0.640, 1.3, 0.3
+"""Depth of the folds of a free hem, in girths, their number, the height at which they begin, how
+unlike they are, and the share of them that jackets have."""
+
+HEM_WAVE, WAVE_LEVELS = 0.0028, (0.575, 0.540)
+"""By how much a free hem runs up and down, in girths, and heights between which cloth does so."""
 SHOULDER_RADIUS = 0.0255
 
 
@@ -109,7 +117,7 @@ SLEEVE_ENDS: Mapping[Sleeve, float] = {"short": 0.7112, "cuffed": 0.5030, "strai
 """
 
 AIR: Mapping[Sleeve, tuple[tuple[float, ...], tuple[float, ...]]] = {
-    "short": ((0.705, 0.730, 0.765), (0.0105, 0.0075, 0.0036)),
+    "short": ((0.703, 0.730, 0.770), (0.0165, 0.0115, 0.0050)),
     "cuffed": ((0.515, 0.524, 0.545, 0.600, 0.640), (0.0030, 0.0072, 0.0090, 0.0052, 0.0036)),
     "straight": ((0.500, 0.540, 0.600, 0.640), (0.0085, 0.0075, 0.0048, 0.0036)),
 }
@@ -129,7 +137,14 @@ def shirt(build: BodyMeasures, sleeve: Sleeve, tucked: bool = False) -> SkinnedP
     end, short_sleeves = build.level(SLEEVE_ENDS[sleeve]), sleeve == "short"
     joint = frame_origins(build.proportions)[FRAMES.index("upper_arm_r")]
     trunk = symmetric_field(shirt_field(build))
-    trunk_folds = symmetric_field(fold_depth(build, SHIRT, 0.0))
+    gathers = symmetric_field(fold_depth(build, SHIRT, 0.0))
+    stiff = STIFF if sleeve == "straight" else 1.0
+    most = 0.0 if tucked else stiff * DRAPE * g
+    hanging_folds = HangingFolds(build.level(DRAPE_TOP), hem, DRAPES, most, UNEVEN)
+
+    def trunk_folds(places: Array) -> Array:
+        return gathers(places) + hanging_folds.depth(places)
+
     arm_folds = fold_depth(build, SHORT_SLEEVE if short_sleeves else SLEEVE, build.shoulders)
     arm = folded(_sleeve_field(build, sleeve, end), arm_folds)
 
@@ -148,12 +163,16 @@ def shirt(build: BodyMeasures, sleeve: Sleeve, tucked: bool = False) -> SkinnedP
     straight = _swung(spread, joint, -SPREAD)
     along = (joint[1] - straight[:, 1]) / g
     near = ramp(np.linalg.norm(spread - joint, axis=-1) / g, *BESIDE)
-    pull = ramp(along, *SHOULDER) * ramp(trunk(spread) / g, -DRAWN * near, LOOSE)
+    # Ridges of a hem lie off the trunk, and follow no arm.
+    away = (trunk(spread) + hanging_folds.depth(spread)) / g
+    pull = ramp(along, *SHOULDER) * ramp(away, -DRAWN * near, LOOSE)
     # Dual quaternions turn cloth that follows two frames by this angle.
     half = 0.5 * SPREAD
     turned = 2.0 * np.arctan2(pull * np.sin(half), 1.0 - pull + pull * np.cos(half))
     hanging = _swung(spread, joint, -turned)
     hanging[:, 1] -= _slope(build, hanging)
+    if not tucked:
+        hanging[:, 1] += stiff * hem_rise(build, hanging)
     frames, share, twist = _followed(build, hanging, straight, pull)
     by_trunk = fold_shade(build, trunk_folds, spread)
     shade = by_trunk + pull * (fold_shade(build, arm_folds, straight) - by_trunk)
@@ -173,6 +192,14 @@ def shirt(build: BodyMeasures, sleeve: Sleeve, tucked: bool = False) -> SkinnedP
         crease=side * crease,
         twist=side * twist,
     )
+
+
+def hem_rise(build: BodyMeasures, places: Array) -> Array:
+    """Return by how much places (n, 3) of a free hem are higher [m]: at the sides, and in waves."""
+    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+    near = ramp(places[:, 1], *(build.level(level) for level in WAVE_LEVELS))
+    wave = 0.55 * np.sin(5.0 * around + 0.8) - np.cos(2.0 * around)
+    return HEM_WAVE * build.girth * near * wave
 
 
 def _swung(places: Array, joint: Array, angle: float | Array) -> Array:
@@ -247,10 +274,10 @@ def _sleeve_field(build: BodyMeasures, sleeve: Sleeve, end: float) -> Field:
 
     # The deltoid stands out beside the joint, and ends in a hollow above the biceps.
     shoulder = round_cone(
-        (-0.001 * g, top - 0.012 * g, z - 0.005 * g),
-        (0.002 * g, top - 0.052 * g, z + 0.0005 * g),
-        0.0185 * g,
-        0.0216 * g,
+        (-0.001 * g, top - 0.0155 * g, z - 0.005 * g),
+        (0.002 * g, top - 0.054 * g, z + 0.0005 * g),
+        0.0205 * g,
+        0.0245 * g,
     )
     above = half_space((0.0, end, z), (0.0, -1.0, 0.0))
     return smooth_intersection(smooth_union([arm, shoulder], 0.02 * g), above, CUT_EDGE * g)

@@ -32,7 +32,7 @@ THICK = 0.0045
 """Thickness of a band, whose outside is that of the cloth, in girths."""
 
 CUFFS: Mapping[Sleeve, tuple[float, float]] = {
-    "short": (0.7030, 0.7130),
+    "short": (0.7030, 0.7175),
     "cuffed": (0.4955, 0.5190),
     "straight": (0.4985, 0.5100),
 }
@@ -41,7 +41,7 @@ CUFFS: Mapping[Sleeve, tuple[float, float]] = {
 SHIRT_CUFF = (0.4915, 0.5060)
 """Edges of a cuff that shows below the sleeve of a jacket likewise."""
 
-CUFF_WORN = 0.0012
+CUFF_WORN: Mapping[Sleeve, float] = {"short": 0.0014, "cuffed": 0.0012, "straight": 0.0012}
 """Distance of a cuff from the sleeve that it ends, in girths."""
 
 HOLLOW = 0.0080
@@ -50,8 +50,8 @@ HOLLOW = 0.0080
 BAND_SHADES = (0.20, 0.40, 1.0, 1.0, 0.45)
 """Shades of the rings of a band: inside, at its edges, and where it lies on cloth."""
 
-BELT, BELT_WORN = (0.5885, 0.6030), 0.0018
-"""Edges of a belt likewise, and its distance from the outline of the shirt, in girths."""
+BELT, BELT_WORN = (0.5885, 0.6030), (0.0018, 0.0018)
+"""Edges of a belt likewise, and the distances of both from the outline of the shirt, in girths."""
 
 WAISTBAND = (0.5800, 0.6080)
 """Edges of a waistband likewise."""
@@ -86,7 +86,7 @@ def _band(
     build: BodyMeasures,
     outline: Array,
     edges: tuple[float, float],
-    worn: float,
+    worn: tuple[float, float],
     frame: str,
     z: float = 0.0,
 ) -> SkinnedPatch:
@@ -96,18 +96,19 @@ def _band(
         build: measures of the person.
         outline: (n, 5) of `BodyMeasures.outline` [m].
         edges: heights of its edges, as fractions of an adult's height.
-        worn: distance of its outside from the outline, in girths.
+        worn: distances of its outside from the outline at these, in girths.
         frame: that it follows.
         z: of the middle of the limb [m].
     """
     g = build.girth
     rings = []
+    low, high = worn
     for level, out in (
-        (edges[0] + HOLLOW, worn - THICK),
-        (edges[0], worn - THICK),
-        (edges[0], worn),
-        (edges[1], worn),
-        (edges[1], worn - THICK),
+        (edges[0] + HOLLOW, low - THICK),
+        (edges[0], low - THICK),
+        (edges[0], low),
+        (edges[1], high),
+        (edges[1], high - THICK),
     ):
         y = build.level(level)
         middle, *reach = (np.interp(y, outline[:, 0], outline[:, k]) for k in range(1, 5))
@@ -138,19 +139,18 @@ def _closed(rings: Sequence[Array]) -> Surface:
 def cuffs(build: BodyMeasures, sleeve: Sleeve) -> SkinnedPatch:
     """Return the cuffs of both sleeves, or the edges of those without."""
     edges = CUFFS[sleeve]
-    worn = CUFF_WORN + float(sleeve_air(build, sleeve, np.array([build.level(edges[0])]))[0])
+    air = sleeve_air(build, sleeve, build.levels(np.array(edges)))
+    low, high = (air + CUFF_WORN[sleeve]).tolist()
     frame = "upper_arm_r" if sleeve == "short" else "forearm_r"
-    band = _band(build, build.outline(ARM), edges, worn, frame, build.shoulders)
+    band = _band(build, build.outline(ARM), edges, (low, high), frame, build.shoulders)
     return with_mirror(on_twisted_arm(build, band) if sleeve == "short" else band)
 
 
 @cached_part
 def shirt_cuffs(build: BodyMeasures) -> SkinnedPatch:
     """Return the cuffs of a shirt below the sleeves of a jacket."""
-    outline = build.outline(ARM)
-    return with_mirror(
-        _band(build, outline, SHIRT_CUFF, SLEEVE_THICKNESS, "forearm_r", build.shoulders)
-    )
+    outline, worn = build.outline(ARM), (SLEEVE_THICKNESS, SLEEVE_THICKNESS)
+    return with_mirror(_band(build, outline, SHIRT_CUFF, worn, "forearm_r", build.shoulders))
 
 
 @cached_part

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.simulation.people.body_mesh import bare_arms
 from pipeline.simulation.people.features import GREATEST, Features, draw_features, with_features
 from pipeline.simulation.people.head_mesh import Head, bearded, head_skin
-from pipeline.simulation.people.proportions import ADULT, BodyMeasures
-from pipeline.simulation.people.tints import BEARD, LIP
+from pipeline.simulation.people.proportions import ADULT, CHILD, BodyMeasures
+from pipeline.simulation.people.tints import BEARD, BLUSH, LIP
 
 HEAD = Head(BodyMeasures(ADULT, 1.0))
 
@@ -45,6 +46,32 @@ def test_features_differ_and_are_bounded() -> None:
     assert max(abs(f.jaw) for f in drawn) <= GREATEST
     assert 8 < sum(f.beard > 0.0 for f in drawn) < 30
     assert draw_features(rng, False).beard == 0.0
+
+
+def test_lips_are_as_red_as_paint_with_a_bust_alone() -> None:
+    shares = []
+    for proportions, is_curved in ((ADULT, True), (CHILD, False), (ADULT, False)):
+        tint = head_skin(Head(BodyMeasures(proportions, 1.0, is_curved))).tint
+        shares.append(tint[tint[:, 0] == LIP, 1].max())
+    assert shares[0] == pytest.approx(1.0)
+    assert (-np.diff(shares) > 0.1).all()
+
+
+def test_noses_cheeks_knuckles_and_elbows_are_flushed() -> None:
+    skin = head_skin(HEAD)
+    x, y, z = ((skin.vertices - HEAD.centre) / HEAD.size).T
+    share = np.where(skin.tint[:, 0] == BLUSH, skin.tint[:, 1], 0.0)
+    for place in ((0.4, -0.14, 0.0), (0.28, -0.13, 0.2)):
+        near = np.linalg.norm(np.stack([x, y, np.abs(z)], axis=-1) - place, axis=-1) < 0.09
+        assert share[near].max() > 0.6
+    assert share[y > 0.25].max() < 0.1
+    arms = bare_arms(HEAD.build, True)
+    heights, share = arms.vertices[:, 1], arms.tint[:, 1]
+    for level, least in ((0.433, 0.5), (0.632, 0.5)):
+        near = np.abs(heights - HEAD.build.level(level)) < 0.015
+        assert share[near].max() > least
+        assert share[near].min() < 0.4
+    assert share[np.abs(heights - HEAD.build.level(0.56)) < 0.01].max() < 0.1
 
 
 def test_a_beard_covers_the_chin_and_leaves_lips_and_forehead() -> None:

@@ -7,17 +7,20 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from pipeline.production.scenery.stones import icosphere
 from pipeline.simulation.people.face_shape import face_field
 from pipeline.simulation.people.hair_lay import ROUND, head_hair
 from pipeline.simulation.people.head_mesh import (
+    PARTING,
     TAPER,
     Head,
     before_hair_line,
     hair_patch,
     haired,
     head_skin,
+    parted,
 )
 from pipeline.simulation.people.proportions import ADULT, CHILD, BodyMeasures
 from pipeline.simulation.people.tints import BEARD, LIP
@@ -67,6 +70,30 @@ def test_hair_grows_out_of_the_skin_at_its_line(head: Head, style: str) -> None:
     assert away[upper & (before > -0.04)].max() < TAPER + 0.03
     # Farther back it has its full volume.
     assert away[upper & (before < -0.25)].max() > (0.02 if style == "bun" else 0.045)
+
+
+@EVERY_HEAD
+@pytest.mark.parametrize("style", GROWN)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_hair_lies_low_in_its_parting_and_high_beside_it(
+    head: Head, style: str, side: float
+) -> None:
+    patch = hair_patch(head, style)
+    before, after = (
+        (places - head.centre) / head.size
+        for places in (patch.vertices, parted(patch, head, style, side).vertices)
+    )
+    rise = np.linalg.norm(after, axis=-1) - np.linalg.norm(before, axis=-1)
+    if style == "bun":
+        assert not rise.any()
+        return
+    assert np.abs(rise).max() < 0.05
+    top = (before[:, 1] > 0.40) & (before[:, 0] > 0.0)
+    aside = side * before[:, 2]
+    assert rise[top & (np.abs(aside - PARTING) < 0.04)].min() < -0.012
+    assert rise[top & (aside < -0.04)].max() > 0.015
+    mirrored = (parted(patch, head, style, -side).vertices - head.centre) / head.size
+    assert cKDTree(mirrored * [1.0, 1.0, -1.0]).query(after)[0].max() < 1e-4
 
 
 @EVERY_HEAD

@@ -37,9 +37,9 @@ PLASTERS = ("ochre", "rose", "cream", "grey", "sage", "white", "brick", "straw")
 WOODS = ("shutter green", "shutter blue", "shutter brown", "shutter grey")
 """Paints of shutters and doors."""
 
-SURROUND, SHUTTER_GAP = 0.15, 0.03
-"""Width of the stone beside an opening, and least space between shutters of neighbours, halved [m].
-"""
+SURROUND, HINGE, BETWEEN = 0.14, 0.01, 0.06
+"""Width of the stone beside an opening, distance of an open shutter from it, and least distance
+of shutters of two windows [m]."""
 
 ROOFS = ("tile red", "tile brown", "tile dark")
 """Tiles, mixed on each roof."""
@@ -166,8 +166,8 @@ class House(Facade):
         if self._glazing.has_surround or opening.kind != "window":
             top = foot + opening.high + 0.09
             for side in (-1.0, 1.0):
-                at = (middle + side * (0.5 * wide + 0.07), up, 0.0)
-                self.add("hewn stone", at, (0.14, tall, 0.08))
+                at = (middle + side * 0.5 * (wide + SURROUND), up, 0.0)
+                self.add("hewn stone", at, (SURROUND, tall, 0.08))
             self.add("hewn stone", (middle, top, 0.0), (wide + 0.34, 0.18, 0.12))
         if opening.kind != "door":
             self.add(
@@ -236,13 +236,14 @@ class House(Facade):
 
     def _shutters(self, middle: float, up: float, wide: float, tall: float, wood: str) -> None:
         """Add open shutters on both sides of a window, folded where the wall is narrow."""
-        room = 0.5 * (self.size[0] / self.bays - wide) - SURROUND - SHUTTER_GAP
+        edge = 0.5 * wide + SURROUND + HINGE
+        room = 0.5 * (self.size[0] / self.bays - BETWEEN) - edge
         count = next((n for n in (1, 2) if 0.4 * wide <= n * room), None)
         if count is None:
             return
         leaf, thick = min(0.5 * wide / count, room), 0.05 * count
         for side in (-1.0, 1.0):
-            at = middle + side * (0.5 * wide + SURROUND + 0.5 * leaf)
+            at = middle + side * (edge + 0.5 * leaf)
             self.add(wood, (at, up, 0.015 + 0.5 * thick), (leaf, tall, thick))
             for t in (-0.36, 0.0, 0.36):
                 panel = (at, up + t * tall, 0.025 + thick)

@@ -13,7 +13,7 @@ import numpy as np
 
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import Field
-from pipeline.simulation.people.skinned_surface import ramp
+from pipeline.simulation.people.skinned_surface import angle_around, ramp
 from pipeline.simulation.spatial import Array
 
 FOLD_DARKNESS = 0.52
@@ -143,7 +143,7 @@ class HangingFolds:
         return np.asarray(np.clip((self.top - places[:, 1]) / (self.top - self.hem), 0.0, 1.0))
 
     def _phase(self, places: Array) -> Array:
-        around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+        around = angle_around(places)
         return np.asarray(self.count * around + self.uneven * np.sin(3.0 * around))
 
 

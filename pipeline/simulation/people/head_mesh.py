@@ -36,6 +36,7 @@ from pipeline.simulation.people.signed_distance import (
 from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
     Surface,
+    angle_around,
     cached_part,
     merge_patches,
     polygonise,
@@ -536,7 +537,6 @@ SKULL = (-0.06, 0.06, 0.0)
 def _with_locks(places: Array, style: str) -> Array:
     """Return the surface (V, 3) of hair in locks: its outline is a helmet's otherwise."""
     # Alike on both sides; the parting is not.
-    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
     locks = _locks(places)
     # Not along the hair line, where locks would show the skull.
     kept = ramp(places[:, 0], 0.26, 0.16)
@@ -544,14 +544,14 @@ def _with_locks(places: Array, style: str) -> Array:
     outward = normalized(places - np.array(SKULL))
     moved = places + (LOCK_DEPTH[style] * locks * kept)[:, None] * outward
     if style in ("bob", "long"):
-        ends = ramp(places[:, 1], -0.10, -0.40) * (0.6 * np.sin(5.0 * around + 0.5) + 0.5 * locks)
-        moved[:, 1] += HEM_LOCKS * ends
+        ends = 0.6 * np.sin(5.0 * angle_around(places) + 0.5) + 0.5 * locks
+        moved[:, 1] += HEM_LOCKS * ramp(places[:, 1], -0.10, -0.40) * ends
     return np.asarray(moved)
 
 
 def _locks(places: Array) -> Array:
     """Return how far locks stand out (V,), -1.7 between two and 1.7 on their ridges."""
-    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+    around = angle_around(places)
     return np.asarray(np.sin(9.0 * around + 1.3) + 0.7 * np.sin(14.0 * around + 4.0 * places[:, 1]))
 
 

@@ -42,6 +42,7 @@ from pipeline.simulation.people.skinned_surface import (
     MIRROR,
     MIRRORED_FRAMES,
     SkinnedPatch,
+    angle_around,
     cached_part,
     polygonise,
     ramp,
@@ -196,7 +197,7 @@ def shirt(build: BodyMeasures, sleeve: Sleeve, tucked: bool = False) -> SkinnedP
 
 def hem_rise(build: BodyMeasures, places: Array) -> Array:
     """Return by how much places (n, 3) of a free hem are higher [m]: at the sides, and in waves."""
-    around = np.arctan2(np.abs(places[:, 2]), places[:, 0])
+    around = angle_around(places)
     near = ramp(places[:, 1], *(build.level(level) for level in WAVE_LEVELS))
     wave = 0.55 * np.sin(5.0 * around + 0.8) - np.cos(2.0 * around)
     return HEM_WAVE * build.girth * near * wave

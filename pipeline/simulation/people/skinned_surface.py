@@ -278,6 +278,14 @@ def symmetric_field(field: Field) -> Field:
     return distance
 
 
+def angle_around(places: Array) -> Array:
+    """Return the angles (n,) of places (n, 3) about the vertical from the front, 0 to pi [rad].
+
+    They are alike on both sides.
+    """
+    return np.asarray(np.arctan2(np.abs(places[:, 2]), places[:, 0]))
+
+
 def _fill_pinches(values: Array) -> None:
     """Fill samples where two parts of a solid would meet in an edge alone.
 
